@@ -161,11 +161,17 @@ def check(case: AnyCase) -> Checked:
         note = "not opened: the libraries of its materials, whose code would run; --run-user-code tries them"
         return Checked(f"{words}\n{note}", "")
     from presswork.process.begin import check_start
+    from presswork.process.pace import estimate_seconds
 
     try:
-        check_start(model)
+        seconds = estimate_seconds(check_start(model))
     except StartError as error:
         return Checked(words, str(error))
+    if seconds is not None:
+        besides = "" if model.remeshing is None and model.separation is None else ", without new meshes"
+        words += (
+            f"\ntime: about {seconds:.2g} s of one core of this machine{besides} (an estimate by some of its cycles)"
+        )
     return Checked(words, "")
 
 

@@ -55,7 +55,8 @@ def find_least_radius(points: FloatArray, triangles: IntArray, length: float, *,
 
 def _measure_edges(points: FloatArray, triangles: IntArray) -> _Edges:
     """Return the edges that two triangles share."""
-    facet = _unit(np.cross(*(points[triangles[:, k]] - points[triangles[:, 0]] for k in (1, 2))))
+    corners = points[triangles]
+    facet = _unit(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]))
     ends, tips, owners = _pair(triangles)
     start, vector = points[ends[:, 0]], points[ends[:, 1]] - points[ends[:, 0]]
     length = np.maximum(np.linalg.norm(vector, axis=1), 1e-300)

@@ -110,6 +110,9 @@ def choose(model: Model, threads: int, world: World | None = None) -> Run:
     return begin_forming(model, threads=threads, world=world)
 
 
-def check_start(model: Model) -> None:
-    """Raise StartError if nothing can be computed: the workpiece is free to move, or lies in a tool, for instance."""
-    begin(model, threads=1)
+def check_start(model: Model) -> Run:
+    """Return the run at its start.
+
+    Raises StartError if nothing can be computed: the workpiece is free to move, or lies in a tool, for instance.
+    """
+    return begin(model, threads=1)

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import copy
-import re
 from pathlib import Path
 from typing import Any
 
@@ -63,21 +62,6 @@ def test_model_holds_what_the_case_says() -> None:
     assert "may stop the run" not in describe(build(blank__element_size=3.5)), "half the thickness: 4 mm"
     assert "hint" not in describe(build(blank__element_size=2.5))
     assert 'velocities are mm/s, and "2 m/s" is usual' in describe(build(stages__0__velocity=2))
-
-
-def test_the_estimate_of_time_counts_rows_and_points() -> None:
-    """A history of 2,000 rows costs 2 ms and 6 us a shell each, as measured on one core."""
-
-    def find_seconds(**changes: Any) -> float:
-        found = re.search(r"about ([\d.e+]+) s on one core", describe(build(**changes)))
-        assert found
-        return float(found[1])
-
-    few, many = (build(output={"rows": rows}) for rows in (10, 2010))
-    n_cells = len(few.cells)
-    more = find_seconds(output={"rows": 2010}) - find_seconds(output={"rows": 10})
-    assert more == pytest.approx(2000 * len(many.stages) * (2e-3 + 6e-6 * n_cells), rel=0.1)
-    assert find_seconds(blank__points=9) > find_seconds(blank__points=3)
 
 
 def test_drawn_tools_are_described_by_their_dimensions(tmp_path: Path) -> None:

@@ -10,9 +10,6 @@ import numpy as np
 from presswork import model
 from presswork.mesh.faces import list_cell_faces
 
-SECONDS = 0.1e-6
-"""Time of one core for a cell and a cycle, roughly [s]."""
-
 
 def describe_explicit(problem: model.Model, settings: model.ExplicitSolid) -> Iterator[str]:
     """Describe the start, the steps through time and what computing takes, a line per fact."""
@@ -38,9 +35,7 @@ def describe_explicit(problem: model.Model, settings: model.ExplicitSolid) -> It
     if settings.target_step is not None and settings.target_step > step:
         step, how = settings.target_step, "by adding mass"
     cycles = sum(stage.duration for stage in problem.stages) / step
-    cells = sum(len(block.connectivity) for block in problem.mesh.blocks)
     yield f"time steps: about {step:.2g} s at first, {how}; so {cycles:.2g} cycles or more"
-    yield f"time: about {cycles * cells * SECONDS:.2g} s on one core (an estimate)"
 
 
 def describe_ramp(stage: model.Stage) -> Iterator[str]:

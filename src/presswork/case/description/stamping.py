@@ -38,11 +38,6 @@ EDGE = 5.0
 """Elements along an edge of a tool from which on its radius counts."""
 SHARPEST = 0.1
 """Radius over the length of an element below which an edge counts as sharp."""
-SECONDS, OF_POINT, OF_POWER = 0.1e-6, 0.015e-6, 0.05e-6
-"""Time of one core for a shell with contact and a cycle, and for each of its points: with quadratic yield, and with
-others [s]."""
-OF_ROW, OF_SHELL_AND_ROW = 2e-3, 6e-6
-"""Time of one core for a row of the history, and for each shell in it [s]."""
 TOUCHING = 0.01
 """Part of the thickness by which tools that have closed may be off the sheet."""
 ROOM = 1.05
@@ -112,10 +107,8 @@ def describe_stamping(problem: Model) -> Iterator[str]:
     stages = [stage for number in numbers for stage in problem.of_operation(number).stages]
     cycles = sum(stage.duration for stage in stages if stage.dwell is None) / step
     how = "by mass scaling" if explicit.target_step else "without mass scaling"
-    seconds = _estimate_seconds(problem, cycles, sum(stage.dwell is None for stage in stages))
-    split = f", up to {1 / finest**2:g} times as long where all is split" if problem.refinement else ""
-    time = f"about {seconds:.2g} s on one core (an estimate){split}"
-    yield f"time: about {cycles:.2g} cycles of {step:.2g} s {how}, {time}"
+    split = f", with up to {1 / finest**2:g} times as many shells where all is split" if problem.refinement else ""
+    yield f"time steps: about {cycles:.2g} cycles of {step:.2g} s {how}{split}"
     if cycles > MANY_CYCLES:
         yield 'hint: that many cycles mean slow tools or small elements; velocities are mm/s, and "2 m/s" is usual'
 
@@ -127,15 +120,6 @@ def _describe_materials(problem: Model) -> Iterator[str]:
         of = f" of {each.name}" if problem.zones else ""
         yield f"forming limit{of}: {describe_forming_limit(each)}"
     yield from describe_drawing_ratio(problem)
-
-
-def _estimate_seconds(problem: Model, cycles: float, n_stages: int) -> float:
-    """Return about how long one core takes [s]: for shells that flow, and for what is recorded of them."""
-    section, material = problem.sheet
-    chosen = material.yield_function
-    of_point = OF_POINT if chosen is None or chosen.law == "hill1948" else OF_POWER
-    n_cells, rows = len(problem.cells), n_stages * problem.output.rows
-    return cycles * n_cells * (SECONDS + section.points * of_point) + rows * (OF_ROW + n_cells * OF_SHELL_AND_ROW)
 
 
 def _describe_measures(asked: Springback) -> Iterator[str]:

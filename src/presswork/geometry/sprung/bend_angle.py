@@ -72,7 +72,8 @@ def _find_runs(bent: BoolArray, turn: FloatArray) -> list[tuple[int, int]]:
 def _third(start: int, end: int, *, at_end: bool) -> IntArray:
     """Return the third of the pieces start to end - 1 of a leg that lies at its end or its beginning."""
     count = -(-(end - start) // 3)
-    return np.arange(end - count, end) if at_end else np.arange(start, start + count)
+    first = end - count if at_end else start
+    return np.arange(first, first + count, dtype=np.int32)
 
 
 def _enclosed(line: FloatArray, before: IntArray, after: IntArray) -> float:
