@@ -119,6 +119,28 @@ def test_clamped_strip_sags_as_a_beam() -> None:
     assert -procedure.state.nodes.displacement[:, 2].min() == pytest.approx(deflection, rel=2e-4)
 
 
+def test_blank_laid_on_a_die_sags_as_a_beam_and_the_die_bears_its_weight() -> None:
+    """A stage in which nothing moves: w L^4/(384 E I) (5 - 24 c^2/L^2) between supports, c beyond them on each side."""
+    width, radius, length, thickness = 400.0, 5.0, 440.0, 0.5
+    case = StampingCase(
+        title="rest", analysis="stamping", procedure="implicit", materials=metal(), gravity=[0.0, 0.0, -G],
+        blank={"material": "steel", "shape": "rectangle", "size": [length, 20.0], "thickness": thickness,
+               "element_size": [5.0, 10.0], "symmetry": ["x", "y"]},
+        tools={"die": {"kind": "die", "shape": "strip", "width": width, "edge_radius": radius}},
+        stages=[{"name": "rest", "duration": 1.0}],
+    )  # fmt: skip
+    run = begin(build_model(case), threads=1)
+    for report in run.advance():
+        row = run.row(report)
+    span = width + 2.0 * radius
+    beyond = 0.5 * (length - span)
+    weight = DENSITY * G * thickness
+    sag = 12.0 * weight * span**4 / (384.0 * YOUNG * thickness**3) * (5.0 - 24.0 * (beyond / span) ** 2)
+    nodes = run.at_work().procedure.state.nodes  # type: ignore[union-attr]
+    assert -nodes.displacement[:, 2].min() == pytest.approx(sag, rel=0.02)
+    assert row["die.force_z"] == pytest.approx(-weight * length * 20.0, rel=1e-3)
+
+
 def test_weight_stays_in_later_stages() -> None:
     model = build_model(
         ShellCase(

@@ -97,6 +97,7 @@ def make_shell_model(model: Model) -> Model:
         rolling_direction=model.rolling_direction,
         self_contact=model.self_contact,
         heat=model.heat,
+        gravity=model.gravity,
     )
 
 
