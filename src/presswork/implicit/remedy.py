@@ -23,7 +23,8 @@ def find_remedy(model: Model, negative_pivots: int) -> str:
     negative_pivots: the most of any tangent in the last attempt; for shells they show a limit load. Solids soften for
     many other reasons.
     """
-    if any(pressure.fluid is None for pressure in model.sheet_pressures):
+    held = {name for stage in model.stages for name, course in stage.pressure_course.items() if course.held}
+    if any(pressure.fluid is None and pressure.name not in held for pressure in model.sheet_pressures):
         return f"{MAXIMUM}. {MESH}"
     if _is_stamping(model) and model.solver.inertia == 0.0:
         return f"{SNAP}. {MESH}"

@@ -5,7 +5,8 @@ A pressure p over cells gives nodes the forces p dV/dx, V being the volume that 
 stiffness (cell_pressure.py). It acts on the middle surface of the sheet.
 
 The pressure of a fluid in a closed space is p = K ln(V_fluid/V_space), never below zero, with V_space = room + V. So
-its forces have one part of the stiffness more, K/V_space dV/dx (dV/dx)^T, which couples all nodes under it.
+its forces have one part of the stiffness more, K/V_space dV/dx (dV/dx)^T, which couples all nodes under it. So has the
+pressure that holds a strain rate (held_rate.py).
 """
 
 from __future__ import annotations
@@ -18,10 +19,12 @@ import numpy as np
 
 from presswork import _core
 from presswork.interaction.cell_pressure import press_cells
-from presswork.interaction.contract import Forces, Guess, Interaction
+from presswork.interaction.contract import Forces, Guess, Interaction, Point
+from presswork.interaction.held_rate import LedPressure, RateHold, lead_pressure, measure_rate
 from presswork.mesh.pressed_cells import find_pressed_cells, find_side, find_swept_volume
-from presswork.model import FloatArray, IntArray, Model, SheetPressure
-from presswork.state import RUN, Arrays, OnNewMesh, State
+from presswork.model import FloatArray, HeldRate, IntArray, Model, SheetPressure
+from presswork.outcome import Step
+from presswork.state import ANEW, RUN, Arrays, OnNewMesh, State
 
 TIGHT = 1e-9
 """Least space that a guess may leave a fluid, over its room."""
@@ -32,9 +35,13 @@ class PressureArrays(Arrays):
     """What pressures have come to."""
 
     owner = "pressures"
-    on_new_mesh: ClassVar[Mapping[str, OnNewMesh]] = {"value": RUN}
+    on_new_mesh: ClassVar[Mapping[str, OnNewMesh]] = {"value": RUN, "rate": RUN, "fastest": ANEW}
     value: FloatArray
     """Values of the model's pressures (n,) [MPa]."""
+    rate: FloatArray
+    """Strain rates in the last increment of those that hold one, else 0 (n,) [1/s]."""
+    fastest: FloatArray
+    """Number, among the cells under each of them, of the one that was strained fastest; -1: none yet (n,)."""
 
 
 @dataclass(frozen=True)
@@ -43,6 +50,8 @@ class PressureForces(Forces):
 
     value: FloatArray
     """Pressures (n,) [MPa]."""
+    strained: FloatArray
+    """Rates and fastest cells, as PressureArrays has them, and the pressures that a rate leads to [MPa] (3, n)."""
 
 
 class SheetPressures(Interaction):
@@ -52,6 +61,7 @@ class SheetPressures(Interaction):
 
     def __init__(self, model: Model) -> None:
         self._model = model
+        self._holds: dict[int, RateHold] = {}
         self._shapes = [_core.shell_shape(block.element) for block in model.mesh.blocks]
         self._pressed = [self._find_cells(pressure) for pressure in model.sheet_pressures]
         points, cells = model.mesh.points, model.cells
@@ -68,17 +78,24 @@ class SheetPressures(Interaction):
 
     def at_rest(self) -> tuple[Arrays, ...]:
         """Return no pressure."""
-        return (PressureArrays(np.zeros(len(self._pressed))),)
+        n = len(self._pressed)
+        return (PressureArrays(np.zeros(n), np.zeros(n), np.full(n, -1.0)),)
 
     def evaluate(self, state_n: State, trial: State, guess: Guess) -> PressureForces:
         """Return the forces at a guess."""
         points = self._model.mesh.points + guess.displacement[:, :3]
         force, value = np.zeros((len(points), 6)), np.zeros(len(self._pressed))
+        strained = np.array([np.zeros(len(value)), state_n[PressureArrays].fastest, np.zeros(len(value))])
         pairs, blocks, dyads = [np.zeros((0, 2), dtype=np.int32)], [np.zeros((0, 6, 6))], []
         courses = self._model.stages[guess.step.stage].pressure_course
         for number, pressure in enumerate(self._model.sheet_pressures):
-            given = float(np.interp(guess.step.fraction, *courses[pressure.name].rows.T))
-            p, slope = self._find_pressure(number, given, points)
+            course, slope, led = courses[pressure.name], 0.0, None
+            if course.held is None:
+                p, slope = self._find_pressure(number, float(np.interp(guess.step.fraction, *course.rows.T)), points)
+            else:
+                led, strained[:, number] = self._lead(number, course.held, state_n, points, guess.dt)
+                given = self._holds[number].given
+                p, led = (led.value, led) if given is None else (given, None)
             value[number] = p
             if p == 0.0:
                 continue
@@ -90,7 +107,30 @@ class SheetPressures(Interaction):
             force += p * area
             if slope:
                 dyads.append((-slope * area, area))
-        return PressureForces(force, np.concatenate(pairs), np.concatenate(blocks), value, dyads=dyads)
+            elif led is not None:
+                dyads.append((-area, np.pad(led.slope, ((0, 0), (0, 3)))))
+        return PressureForces(force, np.concatenate(pairs), np.concatenate(blocks), value, strained, dyads=dyads)
+
+    def _lead(
+        self, number: int, goal: HeldRate, state_n: State, points: FloatArray, dt: float
+    ) -> tuple[LedPressure, tuple[float, float, float]]:
+        """Return the pressure to which a strain rate leads, and of this guess the rate, fastest cell and pressure."""
+        before = self._model.mesh.points + state_n.nodes.displacement[:, :3]
+        cells, own = self._corners[number], state_n[PressureArrays]
+        p_n, fastest = float(own.value[number]), int(own.fastest[number])
+        if number not in self._holds:
+            self._holds[number] = RateHold(goal, p_n, float(own.rate[number]), dt)
+        led = lead_pressure(goal, p_n, before, points, cells, fastest=fastest, dt=dt)
+        fastest, rate = measure_rate(goal, before, points, cells, dt)
+        return led, (rate, fastest, led.value)
+
+    def begin_increment(self, state_n: State, step: Step) -> None:
+        """Forget which limits have held pressures."""
+        self._holds.clear()
+
+    def update(self, trial: State, point: Point, own: Any, *, near: bool, pull: float) -> int:
+        """Let limits hold the pressures that a strain rate would lead beyond them."""
+        return sum(hold.update(own.strained[2, number]) for number, hold in self._holds.items()) if near else 0
 
     def _find_pressure(self, number: int, given: float, points: FloatArray) -> tuple[float, float]:
         """Return a pressure [MPa] and its derivative by the swept volume [MPa/mm3].
@@ -108,4 +148,6 @@ class SheetPressures(Interaction):
     def end_increment(self, state_n: State, trial: State, own: Any, constraints: Any) -> None:
         """Add the forces to the loads of a converged state, which are set before; keep the pressures."""
         trial.nodes.external_force = trial.nodes.external_force + own.force
-        trial[PressureArrays].value = own.value.copy()
+        kept = trial[PressureArrays]
+        kept.value = own.value.copy()
+        kept.rate, kept.fastest = own.strained[:2].copy()

@@ -165,6 +165,20 @@ def find_direction(motion: ToolMotion, dimension: int = 3) -> FloatArray:
 
 
 @dataclass(frozen=True)
+class HeldRate:
+    """A strain rate of the pressed sheet at which a pressure is held between limits."""
+
+    target: float
+    """Equivalent strain rate of the middle surface [1/s]."""
+    of: Literal["greatest", "mean"]
+    """Strain of the cell that is strained fastest, or the mean over the pressed area."""
+    least: float
+    """Pressure that it begins with, and does not fall below [MPa]."""
+    most: float
+    """[MPa]"""
+
+
+@dataclass(frozen=True)
 class PressureCourse:
     """How a pressure on a sheet, or what has flowed into its fluid, goes over a stage."""
 
@@ -173,6 +187,8 @@ class PressureCourse:
     between them."""
     over: Literal["way", "time"] = "way"
     """Whether the part is that of the travel of all that moves in the stage, or that of its time."""
+    held: HeldRate | None = None
+    """Strain rate from which the pressure follows in place of the rows."""
 
 
 @dataclass(frozen=True)

@@ -17,6 +17,7 @@ from presswork.model import FloatArray, IntArray, Model, SheetPressure
 from presswork.observe.contract import History, Observed, Observer, Row
 
 QUANTITIES = ("p", "volume", "height", "radius", "thickness", "contact")
+RATE = "strain_rate"
 FITTED = 0.25
 """Distance round the pole over which the sphere is fitted, over the radius of a circle as large as the pressed part."""
 FITTED_EDGES = 2.5
@@ -36,26 +37,32 @@ class PressedSheet(Observer):
         self._pressed = [PressedPart(model, pressure) for pressure in model.sheet_pressures]
 
     def columns(self, run: Observed) -> list[str]:
-        """Return six for each pressure: MPa, mm3 of the whole part, at the pole mm, and the part of it on tools."""
-        return [part.name(quantity) for part in self._pressed for quantity in QUANTITIES]
+        """Return six for each pressure: MPa, mm3 of the whole part, at the pole mm, and the part of it on tools; where
+        it holds a strain rate that, too [1/s].
+        """
+        return [part.name(each) for part in self._pressed for each in (*QUANTITIES, *([RATE] if part.holds else []))]
 
     def row(self, run: Observed, *, is_released: bool = False) -> Row:
         """Return the pressures, which are gone once the part is released, and the shapes of the bulges."""
         if not self._pressed:
             return {}
         value, row = {} if is_released else run.sheet_pressures(), Row()
+        rates = {} if is_released else run.held_rates()
         now, strain = run.positions(), run.sheet_fields(with_surface=False)["thickness_strain"]
         forces = run.show().tool_force
         for part in self._pressed:
             on_tools = 0.0 if forces is None else part.find_touched(now, forces)
             found = (value.get(part.pressure.name, 0.0), *part.measure(now, strain), on_tools)
             row |= {part.name(quantity): each for quantity, each in zip(QUANTITIES, found, strict=True)}
+            if part.holds:
+                row[part.name(RATE)] = rates.get(part.pressure.name, 0.0)
         return row
 
     def summary(self, run: Observed, history: History) -> dict[str, Any]:
         """Return the largest of each pressure, where it was, and whether the sheet went on beyond it."""
-        found = {part.pressure.name: part.find_largest(history) for part in self._pressed}
-        return {"sheet_pressures": found} if found and len(history["time"]) else {}
+        if not self._pressed or not len(history["time"]):
+            return {}
+        return {"sheet_pressures": {part.pressure.name: part.find_largest(history) for part in self._pressed}}
 
     def warnings(self, run: Observed, history: History) -> list[str]:
         """Return a warning where a tool lies on a face that a fluid presses."""
@@ -70,6 +77,8 @@ class PressedPart:
 
     def __init__(self, model: Model, pressure: SheetPressure) -> None:
         self.pressure = pressure
+        courses = [stage.pressure_course.get(pressure.name) for stage in model.stages]
+        self.holds = any(course is not None and course.held is not None for course in courses)
         self._points, self._symmetry, self._whole = model.mesh.points, model.symmetry, model.whole
         self._thickness = model.thickest
         self._numbers = find_pressed_cells(model.mesh.points, model.cells, pressure)

@@ -65,6 +65,10 @@ class ObservedRun:
         """Return nothing, unless fluids press a sheet."""
         return {}
 
+    def held_rates(self) -> Mapping[str, float]:
+        """Return nothing, unless pressures hold the strain rate of a sheet."""
+        return {}
+
     def metal(self) -> list[Metal]:
         """Return nothing, unless solids are formed."""
         return []

@@ -290,7 +290,7 @@ def sample_over_travel(model: Model, stage: Stage) -> dict[str, PressureCourse]:
             parts = np.union1d(np.linspace(0.0, 1.0, FORCE_TIMES + 1), parts)
             values, gone = np.interp(parts, *course.rows.T), stroke_of(stage).position(parts * stage.duration)
         share = 1.0 if pressure.fluid is None else 1.0 / model.whole
-        found[pressure.name] = PressureCourse(np.column_stack([gone, share * values]))
+        found[pressure.name] = PressureCourse(np.column_stack([gone, share * values]), held=course.held)
     return found
 
 

@@ -12,6 +12,7 @@ from pydantic import ValidationError
 from presswork.case import CaseError, StampingCase, build_model, describe
 from presswork.model import Model
 from tests.problems.bulges import vary_bulge
+from tests.problems.superplastic import make_dome
 from tests.unit.case.round_cup import CUP, changed
 
 OIL = {"oil": {"face": "top", "inside": {"shape": "circle", "diameter": 40}}}
@@ -227,3 +228,50 @@ def test_a_dwell_keeps_its_pressure() -> None:
         {"name": "quench", "dwell": {"duration": 1.0, "place": "air"}, "pressure": {"oil": {"p": 1}}},
     ]
     assert "nothing moves in a dwell" in refuse(changed(DRAWN, ("stages", stages)))
+
+
+GAS = {"rate": {"target": 1e-3, "least": 0.01, "most": 2.0}}
+SWIFT = {"law": "swift", "K": 500, "e0": 0.01, "n": 0.2}
+HOT = changed(
+    make_dome(0.5, 7.0), ("stages", [{"name": "blow", "duration": 900, "pressure": {"oil": GAS}}])
+)  # fmt: skip
+
+COLD = {**HOT["materials"]["sheet"], "heating": None, "hardening": SWIFT}
+
+
+def test_a_rate_is_held_until_another_stage_gives_one() -> None:
+    more = {**GAS["rate"], "target": 5e-4, "of": "mean"}
+    stages = [
+        *HOT["stages"],
+        {"name": "on", "duration": 60},
+        {"name": "slow", "duration": 60, "pressure": {"oil": {"rate": more}}},
+    ]
+    model = build(changed(HOT, ("stages", stages)))
+    held = [stage.pressure_course["oil"].held for stage in model.stages]
+    assert held[0] == held[1]
+    assert held[2] is not None
+    assert (held[2].of, held[2].target) == ("mean", 5e-4)
+    assert "holds the greatest strain rate at 0.001 1/s, between 0.01 and 2 MPa" in describe(model)
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ([("procedure", "explicit")], ["stages.0.pressure.oil.rate", "implicit procedure alone"]),
+        ([("stages.0.pressure.oil.rate.target", 100)], ["rate.target", "outside the window", "1e-08 to 1 1/s"]),
+        ([("materials.sheet", COLD)], ["does not depend on the rate"]),
+        ([("stages.0.pressure.oil.rate.least", 3)], ["rate.most", "not above least = 3"]),
+        ([("stages.0.pressure.oil.rate.most", 20000)], ["no press gives so much"]),
+        ([("pressure.oil.fluid", {"stiffness": 2000, "room": 1000})], ["of a fluid with a volume is found"]),
+        ([("stages.1", {"name": "p", "duration": 1, "pressure": {"oil": {"p": 1}}})], ["only the run knows"]),
+    ],
+)  # fmt: skip
+def test_rates_that_no_pressure_holds_are_refused(changes: list[tuple[str, object]], words: list[str]) -> None:
+    case = HOT
+    for path, value in changes:
+        case = (
+            changed(case, ("stages", [*case["stages"], value])) if path == "stages.1" else changed(case, (path, value))
+        )
+    text = refuse(case)
+    for word in words:
+        assert word in text

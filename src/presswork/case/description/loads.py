@@ -49,6 +49,11 @@ def describe_courses(problem: model.Model, stage: model.Stage) -> Iterator[str]:
     """Describe how the pressures on a sheet go over a stage."""
     for pressure in problem.sheet_pressures:
         name, course = pressure.name, stage.pressure_course[pressure.name]
+        if course.held is not None:
+            goal = course.held
+            limits = f"between {goal.least:g} and {goal.most:g} MPa"
+            yield f"pressure {name}: holds the {goal.of} strain rate at {goal.target:g} 1/s, {limits}"
+            continue
         if pressure.fluid is not None:
             start, end = course.rows[0, 1], course.rows[-1, 1]
             room = pressure.fluid.room

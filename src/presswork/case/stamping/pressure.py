@@ -5,17 +5,17 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
-from typing import Annotated, Self
+from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
 from presswork.case.part import Part
 from presswork.case.stamping.plan_line import PlanLine
-from presswork.case.units import Length, Stress, Time, Volume, fault
+from presswork.case.units import Length, Rate, Stress, Time, Volume, fault
 from presswork.model import Face
 
 Line = Annotated[PlanLine, Field(discriminator="shape")]
-COURSES = ("p", "p_over_stroke", "p_over_time", "inflow", "inflow_over_stroke", "inflow_over_time")
+COURSES = ("p", "p_over_stroke", "p_over_time", "rate", "inflow", "inflow_over_stroke", "inflow_over_time")
 """Keys of a stage's pressure, of which it takes one."""
 HIGHEST = 1500.0
 """Pressure [MPa] above any that presses for fluids give: 400 are common, 1000 the most."""
@@ -56,6 +56,33 @@ class SheetPressure(Part):
         return self
 
 
+class HeldRate(Part):
+    """A strain rate of the sheet at which the pressure is held, as in superplastic forming."""
+
+    target: Rate = Field(
+        gt=0, description="equivalent strain rate of the middle surface, within the window of the law [1/s]"
+    )
+    of: Literal["greatest", "mean"] = Field(
+        default="greatest",
+        description="greatest: of the shell under the pressure that is strained fastest; mean: over the pressed area",
+    )
+    least: Stress = Field(
+        gt=0, description="pressure that the stage begins with, and below which it does not fall [MPa]"
+    )
+    most: Stress = Field(
+        gt=0, description="pressure that it does not exceed; it is reached once the sheet lies on its tools [MPa]"
+    )
+
+    @model_validator(mode="after")
+    def _check_limits(self) -> Self:
+        if not self.least < self.most:
+            raise fault(f"not above least = {self.least:g} MPa", "give the smaller pressure as least", key="most")
+        if self.most > HIGHEST:
+            fault_of = f"no press gives so much: expected at most {HIGHEST:g} MPa"
+            raise fault(fault_of, 'plain numbers are MPa; for instance 2, or "20 bar"', key="most")
+        return self
+
+
 class StagePressure(Part):
     """How a pressure on the sheet goes over a stage; where a stage does not name it, it stays as it is."""
 
@@ -71,6 +98,10 @@ class StagePressure(Part):
     )
     p_over_time: tuple[tuple[Time, Stress], ...] | None = Field(
         default=None, description="instead: rows [time since the stage began, pressure], linear between them [s, MPa]"
+    )
+    rate: HeldRate | None = Field(
+        default=None,
+        description="instead: a strain rate at which the pressure is held; the run finds the pressure (implicit)",
     )
     inflow: Volume | None = Field(
         default=None,
@@ -92,7 +123,7 @@ class StagePressure(Part):
             raise fault("neither pressure nor inflow is given", remedy, key="p")
         if len(present) > 1:
             raise fault(f"{present[0]} and {present[1]} are both given", f"leave {present[1]} out", key=present[1])
-        if present[0] not in ("p", "inflow"):
+        if present[0] not in ("p", "rate", "inflow"):
             _check_rows(getattr(self, present[0]), present[0])
         rows = ((0.0, self.p),) if self.p is not None else self.p_over_stroke or self.p_over_time or ()
         if max((value for _, value in rows), default=0.0) > HIGHEST:

@@ -13,6 +13,8 @@ import numpy as np
 
 from presswork import model
 from presswork.case.errors import Problem, suggest
+from presswork.case.material.hot_hardening import HotLaw
+from presswork.case.material.law_needs import TIMING
 from presswork.case.shell.schema import HOLDS
 from presswork.case.stamping.plan_line import draw_line
 from presswork.case.stamping.pressure import SheetPressure, StagePressure
@@ -55,6 +57,7 @@ def check_pressures(case: StampingCase) -> list[Problem]:
         if name not in named:
             remedy = f'name it in a stage, [stages.pressure.{name}] with p = "8 MPa", or leave it out'
             problems.append(Problem(f"pressure.{name}", "no stage sets its value", remedy))
+    problems += _check_rates(case)
     if case.pressure and case.gradients is not None:
         problems.append(Problem("gradients", "runs with pressure have no derivatives", "leave gradients out"))
     if case.pressure and case.procedure == "explicit" and case.explicit.device != "cpu":
@@ -75,15 +78,60 @@ def _check_kind(key: str, name: str, case: StampingCase) -> Iterator[Problem]:
         )
 
 
+def _check_rates(case: StampingCase) -> Iterator[Problem]:
+    """Yield the problems of strain rates that a pressure is to hold."""
+    for index, stage in enumerate(case.stages):
+        for name, given in stage.pressure.items():
+            key = f"stages.{index}.pressure.{name}"
+            before = any(name in each.pressure and each.pressure[name].rate for each in case.stages[:index])
+            if given.rate is None:
+                if before:
+                    fault = "the stage before has left a pressure that only the run knows"
+                    yield Problem(f"{key}.{given.course}", fault, "give rate here, too, or p in the stage before")
+                continue
+            if case.procedure == "explicit":
+                fault, remedy = "a strain rate is held by the implicit procedure alone", 'set procedure = "implicit"'
+                yield Problem(f"{key}.rate", fault, remedy)
+            elif not any(getattr(stage, each, None) for each in TIMING if each in stage.model_fields_set):
+                yield Problem(f"stages.{index}.duration", "missing key: a strain rate takes time", "add it [s]")
+            else:
+                yield from _check_window(f"{key}.rate.target", given.rate.target, case)
+
+
+def _check_window(key: str, target: float, case: StampingCase) -> Iterator[Problem]:
+    """Yield the problem of a strain rate at which a law of the blank has no value, or that it does not depend on."""
+    for name in dict.fromkeys(
+        [case.blank.material, *(zone.material or case.blank.material for zone in case.blank.zones)]
+    ):
+        table = case.materials.get(name)
+        hardening = getattr(table, "hardening", None)
+        if isinstance(hardening, HotLaw):
+            low, high = hardening.window()[1]
+            if not low <= target <= high:
+                fault = f"outside the window of materials.{name}.hardening, {low:g} to {high:g} 1/s"
+                yield Problem(key, fault, "take a rate within it", target)
+        elif hardening is not None and getattr(table, "rate", None) is None:
+            fault = f"the flow stress of materials.{name} does not depend on the rate, so no pressure holds one"
+            remedy = 'give it such a law, for instance hardening.law = "norton_hoff", or give p'
+            yield Problem(key, fault, remedy, target)
+
+
 def build_courses(case: StampingCase, stages: Sequence[model.Stage]) -> tuple[tuple[model.Stage, ...], list[Problem]]:
     """Return the Model's stages with the courses of all pressures, and the problems of their tables."""
     found, problems = [], []
     before = dict.fromkeys(case.pressure, 0.0)
+    held: dict[str, model.HeldRate] = {}
     for index, (of_case, stage) in enumerate(zip(case.stages, stages, strict=True)):
         courses = {}
         for name in case.pressure:
             key = f"stages.{index}.pressure.{name}"
-            course = _build_course(key, of_case.pressure.get(name), of_case.tools, stage, before[name])
+            given = of_case.pressure.get(name)
+            if given is not None and given.rate is not None:
+                held[name] = model.HeldRate(**given.rate.model_dump())
+            if name in held:
+                courses[name] = model.PressureCourse(np.array([[0.0, 0.0], [1.0, 0.0]]), held=held[name])
+                continue
+            course = _build_course(key, given, of_case.tools, stage, before[name])
             if isinstance(course, Problem):
                 problems.append(course)
                 continue

@@ -68,7 +68,7 @@ def make_shell_model(model: Model) -> Model:
         Stage(
             name=stage.name,
             duration=stage.duration * stage.slower,
-            clock=None if stage.drive is not None or stage.dwell is not None else _clock(stage),
+            clock=None if stage.drive is not None or stage.dwell is not None or _holds_rate(stage) else _clock(stage),
             drive=_drive_what_is_modelled(model, stage),
             tool_motion={name: motion for name, motion in stage.tool_motion.items() if name not in pushes}
             | {name: ToolMotion(push=of_stages[number]) for name, of_stages in pushes.items()},
@@ -104,6 +104,11 @@ def make_shell_model(model: Model) -> Model:
 def _drive_what_is_modelled(model: Model, stage: Stage) -> Drive | None:
     """Return the ram of a stage; its work is that of the whole part."""
     return None if stage.drive is None else replace(stage.drive, whole=float(model.whole))
+
+
+def _holds_rate(stage: Stage) -> bool:
+    """Return whether a pressure holds a strain rate in a stage, which then goes on evenly in time."""
+    return any(course.held is not None for course in stage.pressure_course.values())
 
 
 def _clock(stage: Stage) -> FloatArray:
@@ -217,6 +222,14 @@ class ImplicitStamping(IncrementRun):
             return {}
         each = zip(self.model.sheet_pressures, state[PressureArrays].value, strict=True)
         return {pressure.name: float(value) for pressure, value in each}
+
+    def held_rates(self) -> dict[str, float]:
+        """Return the strain rates that pressures hold by their names [1/s]."""
+        state = self.procedure.state
+        if PressureArrays not in state:
+            return {}
+        each = zip(self.model.sheet_pressures, state[PressureArrays].rate, strict=True)
+        return {pressure.name: float(rate) for pressure, rate in each}
 
     def sheet_heat(self) -> tuple[HeatOfSheet, SheetHeatArrays] | None:
         """Return the heat of the sheet, if it has any."""
