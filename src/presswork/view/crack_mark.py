@@ -47,17 +47,25 @@ def find_centre(points: FloatArray, blocks: Sequence[IndexArray], cell: int) -> 
     raise IndexError("there is no such cell")
 
 
-def mark_first_crack(ax: Axes, result: Result, field: str, step: int) -> str:
-    """Mark the cell in which a crack first began, where it is now; return the line with the time, or an empty one.
+def place_first_crack(result: Result, crack: Mapping[str, Any], step: int, points: FloatArray) -> FloatArray | None:
+    """Return the centre of the cell in which a crack first began, where it is at a step (2 | 3,) [mm]; None before.
 
-    Steps before the crack have no mark, nor have runs whose mesh has changed: the cell is not known there.
+    points: where the nodes are drawn. Where the mesh has changed the cell is not known: then where the crack began.
     """
-    crack = find_first_crack(result, field)
-    if crack is None or result.times[step] < crack["time_s"] * (1 - 1e-9):
-        return ""
+    if result.times[step] < crack["time_s"] * (1 - 1e-9):
+        return None
     mesh = result.mesh_at(step)
     if mesh is result.mesh_at(0) and mesh is result.mesh_at(-1):
-        x, y = find_centre(result.points(step), [block.connectivity for block in mesh.blocks], crack["cell"])[:2]
-        ax.scatter([x], [y], s=120, marker="x", c="white", linewidths=4.0, zorder=6, clip_on=False)
-        ax.scatter([x], [y], s=90, marker="x", c="#d1001f", linewidths=2.2, zorder=7, clip_on=False)
+        return find_centre(points, [block.connectivity for block in mesh.blocks], crack["cell"])
+    return np.array(crack["at_mm"][: points.shape[1]])
+
+
+def mark_first_crack(ax: Axes, result: Result, field: str, step: int) -> str:
+    """Mark where a crack first began; return the line with the time, or an empty one before."""
+    crack = find_first_crack(result, field)
+    place = None if crack is None else place_first_crack(result, crack, step, result.points(step))
+    if crack is None or place is None:
+        return ""
+    for size, colour, line, order in ((120, "white", 4.0, 6), (90, "#d1001f", 2.2, 7)):
+        ax.scatter(*place[:2, None], s=size, marker="x", c=colour, linewidths=line, zorder=order, clip_on=False)
     return describe_first_crack(crack)

@@ -24,6 +24,7 @@ from presswork.view.style import COLOURS, describe_step, label_field, new_figure
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import Colormap, Normalize
     from matplotlib.figure import Figure
 
 _N_LEVELS = 16
@@ -89,12 +90,12 @@ def plot_contours(
         return ax
     from matplotlib.tri import Triangulation
 
-    levels = _levels(values)
+    levels, (colours, norm) = _levels(values), _find_colours(result, field, values)
     shown = np.clip(np.nan_to_num(values, nan=levels[0]), levels[0], levels[-1])
     for sign in IMAGES[mirror]:
         x, y = (points * sign).T
         net = Triangulation(x, y, triangles)
-        drawn = ax.tricontourf(net, shown, levels=levels, cmap=COLOURS, zorder=1)
+        drawn = ax.tricontourf(net, shown, levels=levels, cmap=colours, norm=norm, zorder=1)
         ax.tricontour(net, shown, levels=levels, colors="k", linewidths=0.25, zorder=1.5)
         draw_boundary(ax, result.mesh_at(step).boundary_edges, points, sign, mirror)
     _label_extremes(ax, result, field, values, points, step)
@@ -203,12 +204,18 @@ def _draw_cells(
 
 def _colour_by_limit(ax: Axes, result: Result, field: str, values: FloatArray) -> None:
     """Colour what is drawn of a field that has a limit from green to red."""
+    colours, norm = _find_colours(result, field, values)
+    for drawn in ax.collections if norm is not None else ():
+        if drawn.get_array() is not None:
+            drawn.set(cmap=colours, norm=norm)
+
+
+def _find_colours(result: Result, field: str, values: FloatArray) -> tuple[str | Colormap, Normalize | None]:
+    """Return the colours of a field and what takes values to them: from green to red where it has a limit."""
     finite = values[np.isfinite(values)]
     stops = find_stops(result, field, float(finite.min()), float(finite.max())) if len(finite) else []
-    for drawn in ax.collections if stops else ():
-        if drawn.get_array() is not None:
-            scaled = make_limit_colours(stops)
-            drawn.set(cmap=scaled.get_cmap(), norm=scaled.norm)
+    scaled = make_limit_colours(stops) if stops else None
+    return (COLOURS, None) if scaled is None else (scaled.get_cmap(), scaled.norm)
 
 
 def _label_extremes(ax: Axes, result: Result, field: str, values: FloatArray, places: FloatArray, step: int) -> None:

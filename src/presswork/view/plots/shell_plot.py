@@ -17,7 +17,7 @@ from presswork.post.section import cut_tool
 from presswork.post.weld_lines import find_welds
 from presswork.results import Result, ResultMesh
 from presswork.view.cells import outline_blocks
-from presswork.view.crack_mark import describe_first_crack, find_centre, find_first_crack
+from presswork.view.crack_mark import describe_first_crack, find_first_crack, place_first_crack
 from presswork.view.extremes import describe_extremes
 from presswork.view.faces import draw_faces, find_projection
 from presswork.view.limit_colours import find_stops, make_limit_colours
@@ -157,16 +157,14 @@ def _describe_verdict(result: Result, field: str) -> str:
 
 
 def _mark_first_crack(ax: Axes3D, result: Result, field: str, step: int, points: FloatArray) -> None:
-    """Mark the cell in which a crack first began by a cross on top of all; not where the mesh has changed."""
+    """Mark where a crack first began by a cross on top of all."""
     crack = find_first_crack(result, field)
-    if crack is None or result.times[step] < crack["time_s"] * (1 - 1e-9):
+    place = None if crack is None else place_first_crack(result, crack, step, points)
+    if place is None:
         return
-    mesh = result.mesh_at(step)
-    if mesh is result.mesh_at(0) and mesh is result.mesh_at(-1):
-        place = find_centre(points, [block.connectivity for block in mesh.blocks], crack["cell"])
-        ax.computed_zorder = False  # else the faces around hide it
-        for size, colour, line in ((110, "white", 4.0), (80, "#d1001f", 2.2)):
-            ax.scatter(*place[:, None], s=size, marker="x", c=colour, linewidths=line, zorder=20, depthshade=False)
+    ax.computed_zorder = False  # else the faces around hide it
+    for size, colour, line in ((110, "white", 4.0), (80, "#d1001f", 2.2)):
+        ax.scatter(*place[:, None], s=size, marker="x", c=colour, linewidths=line, zorder=20, depthshade=False)
 
 
 def fill_figure(figure: Figure, ax: Axes3D, head: Sequence[str], foot: str, *, below: float = 0.0) -> None:
