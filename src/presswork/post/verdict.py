@@ -287,9 +287,14 @@ def _judge_separation(summary: Summary) -> Iterator[Line]:
     found = summary.get("separation")
     if found is None:
         return
-    parted = found.get("parted")
+    parted, first = found.get("parted"), found.get("first_crack")
+    if first:
+        time, note = first["time_s"], f"{found['cracks']} in all"
+        yield Line("first crack", "figure", f"punch at {first['stroke_mm']:.4g} mm", "", note, time_s=time)
+    when = parted["time_s"] if parted else None
     note = f"punch at {parted['stroke_mm']:.4g} mm" if parted else "the stroke is too short, or no crack goes through"
-    yield Line("separation", "ok" if parted else "risk", f"{found['pieces']} pieces", "at least 2", note)
+    state: State = "ok" if parted else "risk"
+    yield Line("separation", state, f"{found['pieces']} pieces", "at least 2", note, time_s=when)
     if "work_J" in found:
         yield Line("work until it has parted", "figure", f"{found['work_J']:.4g} J", "", "")
     for edge in found.get("edges", []):

@@ -137,3 +137,15 @@ def test_verdict_of_an_output_folder_is_that_of_its_summary(tmp_path: Path) -> N
     write_summary(folder / "summary.json", {**DONE, "laps": []})
     found = judge_result(Result(folder))
     assert (found.state, [line.name for line in found.lines]) == ("ok", ["run", "laps", "warnings of the run"])
+
+
+def test_first_crack_and_parting_lead_to_their_times() -> None:
+    found = {
+        "cracks": 2,
+        "pieces": 2,
+        "first_crack": {"time_s": 0.4, "stroke_mm": 3.5},
+        "parted": {"time_s": 0.8, "stroke_mm": 7.0},
+    }
+    lines = {line.name: line for line in judge_summary({"status": "completed", "separation": found}).lines}
+    assert (lines["first crack"].time_s, lines["separation"].time_s) == (0.4, 0.8)
+    assert lines["first crack"].state == "figure"

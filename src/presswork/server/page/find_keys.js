@@ -31,9 +31,13 @@ function walkItem(item, value, path, search) {
   else if (shape.kind === "kinds") walk(shape.kinds[chooseKind(shape, value)] ?? {}, value, path, [], search);
 }
 
-/** Return what makes a table that is not there; null for a value. */
+/** Return what makes a table, or a list of tables with its first, that is not there; null for a value. */
 function startOf(shape, root) {
   if (shape.kind === "table") return () => makeTable(shape.node, root);
+  if (shape.kind === "list") {
+    const first = startOf(classify(shape.item, root), root);
+    return first && (() => [first()]);
+  }
   const [first] = shape.kind === "kinds" ? Object.keys(shape.kinds) : [];
   return first === undefined ? null : () => makeTable(shape.kinds[first], root, shape.tag, first);
 }

@@ -10,11 +10,13 @@ const GROUPS = [
   ["Job", ["title", "analysis", "procedure", "format"]],
   ["Part and material", ["blank", "workpiece", "bodies", "part", "geometry", "depth", "materials", "initial_temperature"]],
   ["Tools and press", ["tools", "presses", "beads", "contacts", "self_contact", "pressure"]],
-  ["Process", ["operations", "stages", "process", "boundary", "heat", "gravity", "trim", "springback", "hem", "series"]],
+  ["Process", ["operations", "stages", "process", "boundary", "heat", "gravity", "trim", "springback", "hem", "separation", "series"]],
   ["Results and limits", ["output", "limits", "points", "draw_in", "one_step_thinning", "gradients"]],
   ["Accuracy", ["solver", "explicit", "implicit", "remesh"]],
 ];
 const isTool = (path) => path.at(-2) === "tools" && (path.length === 2 || path[0] === "operations");
+/** Return an instance of a value with its unit: of the number that is given, if any. */
+const giveInstance = (hint, value) => (typeof value === "number" && /^\S+ \S/.test(hint) ? String(hint).replace(/^\S+/, String(value)) : hint);
 const toWords = (name) => name.replaceAll("_", " ");
 
 export class Form {
@@ -239,7 +241,7 @@ export class Form {
     Object.entries({ id, "data-key": key }).forEach(([attribute, text]) => input.setAttribute(attribute, text));
     input.setAttribute("aria-describedby", `help ${key}`.replaceAll(" ", "_"));
     if (isRequired) input.setAttribute("aria-required", "true");
-    const help = [shape.description, shape.range, shape.hints?.length && !/e\.g\./.test(shape.description) ? `for instance ${shape.hints[0]}` : ""].filter(Boolean).join("; ");
+    const help = [shape.description, shape.range, shape.hints?.length && !/e\.g\./.test(shape.description) ? `for instance ${giveInstance(shape.hints[0], value)}` : ""].filter(Boolean).join("; ");
     this.places.set(key, { fault, input });
     const field = make("div", { class: "field" }, make("label", { for: id }, toWords(name)), input, FILES.has(name) ? this.#makeFileButton(input, path) : name === "material" && this.onMaterial ? this.#makeMaterialButton(input, path) : shape.cells ? this.#makeTableButton(shape, value, path) : make("span"), make("span", { class: "help", id: `help ${key}`.replaceAll(" ", "_") }, help), fault);
     if (FILES.has(name)) this.#takeDrops(field, path);
