@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
@@ -124,4 +125,25 @@ def test_drawing_has_no_serious_finding(browser: Any, site: Server, tmp_path: Pa
     found = axe.Axe().run(page.tab).response["violations"]
     assert not [one["help"] for one in found if one["impact"] in ("serious", "critical")]
     assert page.ask("() => document.documentElement.scrollWidth") <= width
+    page.close()
+
+
+CREASES = """
+  const points = Float32Array.from({ length: 24 }, (_, i) => (Math.floor(i / 3) >> i % 3) & 1);
+  const sides = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+  const triangles = Uint32Array.from(sides.flatMap(([a, b, c, d]) => [a, b, c, a, c, d]));
+  const apart = new Float32Array(108);
+  triangles.forEach((node, i) => apart.set(points.subarray(3 * node, 3 * node + 3), 3 * i));
+  return [triangles, triangles.slice(6)].map((these) => findCreases(points, these, 20).length / 6)
+    .concat(findCreases(apart, Uint32Array.from(triangles.keys()), 20));
+"""
+
+
+def test_edges_of_a_tool_are_drawn_where_it_bends_or_ends(browser: Any) -> None:
+    """A cube has 12 edges, and without its lid, too; triangles that share no points are left to another function."""
+    module = (
+        (files("presswork.report") / "page" / "creases.js").read_text("utf-8").replace("export function", "function")
+    )
+    page = browser.new_page()
+    assert page.evaluate(f"() => {{ {module}\n{CREASES} }}") == [12, 12, None]
     page.close()

@@ -4,13 +4,14 @@ import { BufferAttribute, BufferGeometry, EdgesGeometry, Group, LineSegments, Me
 import { coarsen, makeNormals, revolveProfile, takeRows } from "./shapes.js";
 import { MISSING } from "./unpack.js";
 import { originsOnCut, valuesOnCut } from "./cap.js";
+import { findCreases } from "./creases.js";
 import { makeBodyMaterial, makeCapMaterial, makeLineMaterial, makeToolMaterial } from "./materials.js";
 
 const IMAGES = { "": [[1, 1]], x: [[1, 1], [-1, 1]], y: [[1, 1], [1, -1]], xy: [[1, 1], [-1, 1], [1, -1], [-1, -1]] };
 const TOOL_COLOURS = [[0.36, 0.4, 0.46], [0.55, 0.4, 0.24], [0.22, 0.42, 0.52], [0.36, 0.5, 0.26]];
 const MOST_EDGES = 60000;
 const AROUND = 0.35, AROUND_START = 0.7; // of the part's size: how far beyond it the view shows tools
-const CLASH = [0.78, 0.12, 0.16], MOST_TRIED = 400;
+const CLASH = [0.78, 0.12, 0.16], MOST_TRIED = 400, CREASE = 20; // degrees
 
 const attribute = (array, size = 3) => new BufferAttribute(array, size);
 
@@ -265,12 +266,13 @@ export class RunScene {
 
   async #makeSurface(number) {
     const { points, triangles } = await this.run.toolSurface(number);
-    const corners = new Float32Array(3 * triangles.length);
-    triangles.forEach((node, i) => corners.set(points.subarray(3 * node, 3 * node + 3), 3 * i));
+    const corners = takeRows(points, triangles, 3);
     if (triangles.length > 3 * MOST_EDGES) return { corners, edges: new Float32Array() };
+    const edges = findCreases(points, triangles, CREASE);
+    if (edges) return { corners, edges };
     const geometry = new BufferGeometry();
     geometry.setAttribute("position", attribute(corners));
-    return { corners, edges: new EdgesGeometry(geometry, 20).getAttribute("position").array };
+    return { corners, edges: new EdgesGeometry(geometry, CREASE).getAttribute("position").array };
   }
 }
 
