@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import difflib
 import json
+import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from enum import Enum
@@ -75,3 +76,15 @@ def suggest(name: str, choices: Iterable[str], what: str = "choices") -> str:
     near = difflib.get_close_matches(name.lower(), list(lowered), n=1, cutoff=0.5)
     listed = ", ".join(known)
     return f"did you mean `{lowered[near[0]]}`? ({what}: {listed})" if near else f"{what}: {listed}"
+
+
+def explain_syntax(text: str, error: ValueError) -> str:
+    """Return the remedy for a fault of syntax in TOML.
+
+    >>> explain_syntax("thickness = 0,8", ValueError("Expected newline (at line 1, column 14)"))
+    'a decimal comma stands there: write 0.8'
+    """
+    line = re.search(r"at line (\d+)", str(error))
+    words = text.splitlines()[int(line[1]) - 1] if line and int(line[1]) <= len(text.splitlines()) else ""
+    number = re.match(r"[^=\[{#]*=\s*([+-]?\d+),(\d+)\s*(?:#.*)?$", words)
+    return f"a decimal comma stands there: write {number[1]}.{number[2]}" if number else "mend the syntax there"

@@ -13,7 +13,7 @@ from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
-from presswork.case.errors import CaseError, Problem, suggest
+from presswork.case.errors import CaseError, Problem, explain_syntax, suggest
 from presswork.case.units import ANY_LIST, ANY_NUMBER
 from presswork.text_file import UnreadableError, read_text
 
@@ -64,7 +64,7 @@ def _parse(text: str, source: Path | None) -> dict[str, Any]:
     try:
         data = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
-        raise CaseError([Problem("", f"not valid TOML: {error}", "mend the syntax there")], source) from None
+        raise CaseError([Problem("", f"not valid TOML: {error}", explain_syntax(text, error))], source) from None
     except ValueError as error:  # a whole number of thousands of digits
         raise CaseError([Problem("", f"not valid TOML: {error}", "shorten the number")], source) from None
     except RecursionError:

@@ -18,7 +18,7 @@ from typing import Any
 from presswork import __version__
 from presswork.case import json_schema
 from presswork.case.case_file import write_as_run
-from presswork.case.errors import CaseError
+from presswork.case.errors import CaseError, explain_syntax
 from presswork.case.kinds import KINDS
 from presswork.examples import copy_example, list_examples
 from presswork.report import assemble_page
@@ -275,6 +275,8 @@ def _parse(text: str) -> dict[str, Any]:
     """Return the data of TOML. Raises RefusedError."""
     try:
         return tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise RefusedError(f"not valid TOML: {error}; {explain_syntax(text, error)}") from error
     except (ValueError, RecursionError) as error:
         raise RefusedError(f"not valid TOML: {error}") from error
 

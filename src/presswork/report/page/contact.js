@@ -12,7 +12,7 @@ export class ContactPanel {
     Object.assign(this, { runs, store, stage });
     const tools = [...new Set(runs.flatMap((run) => run.steps.flatMap((step) => Object.keys(step.interface))))];
     this.tool = tools[0];
-    this.chart = new Chart(parent, { label: "Contact stress along the contact surface", xLabel: `way along the contact surface [${lengthUnit()}]`, yLabel: "contact stress [MPa]", height: 310, onPick: (x, y, toPixels) => this.#pick(x, y, toPixels) });
+    this.chart = new Chart(parent, { label: "Contact stress along the contact surface", xLabel: `length along the contact surface [${lengthUnit()}]`, yLabel: "contact stress [MPa]", height: 310, onPick: (x, y, toPixels) => this.#pick(x, y, toPixels) });
     parent.prepend(make("div", { class: "row" }, makeSelect("Tool", tools.map((tool) => [tool, tool]), this.tool, (tool) => { this.tool = tool; this.update([]); })));
     this.note = make("p", { class: "soft" });
     parent.append(this.note);

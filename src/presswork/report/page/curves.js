@@ -25,7 +25,7 @@ export class CurvesPanel {
     const columns = main.curves.columns.map(({ name, label, unit }) => [name, withUnit(label, unit)]);
     const own = new Set(this.first.map(([x]) => x)), label = (name) => main.findColumn(name)?.label ?? name;
     this.label = label;
-    const forces = [["", this.first.map(([, y]) => label(y)).join(", ")]], over = [["", own.size === 1 ? withUnit(label(this.first[0][0]), main.findColumn(this.first[0][0])?.unit) : "each tool's own way"]];
+    const forces = [["", this.first.map(([, y]) => label(y)).join(", ")]], over = [["", own.size === 1 ? withUnit(label(this.first[0][0]), main.findColumn(this.first[0][0])?.unit) : "each tool's own stroke"]];
     parent.append(make("div", { class: "row" },
       makeSelect("y", [...forces, ...columns], "", (name) => { this.y = name; this.#draw(); }),
       makeSelect("over", [...over, ...columns], "", (name) => { this.x = name; this.#draw(); })), this.box);
@@ -49,7 +49,7 @@ export class CurvesPanel {
   #nameFirst() {
     const own = [...new Set(this.first.map(([x]) => x))], [forces, over] = [...this.box.previousElementSibling.querySelectorAll("option[value='']")];
     forces.textContent = this.first.map(([, y]) => this.label(y)).join(", ");
-    over.textContent = own.length === 1 ? withUnit(this.label(own[0]), this.main.findColumn(own[0])?.unit) : "each tool's own way";
+    over.textContent = own.length === 1 ? withUnit(this.label(own[0]), this.main.findColumn(own[0])?.unit) : "each tool's own stroke";
   }
 
   /** Put curves that have grown into all charts. */
@@ -94,7 +94,7 @@ export class CurvesPanel {
     const isOne = new Set(pairs.map(([name]) => name)).size === 1;
     const chart = new Chart(parent, {
       label: `${yColumn?.label ?? ""} over ${xColumn?.label ?? ""}`, height,
-      xLabel: withUnit(isOne ? xColumn?.label ?? x : "each tool's own way", xColumn?.unit), yLabel: withUnit(pairs.length > 1 || isTitled ? "" : yColumn?.label ?? "", yColumn?.unit).trim(),
+      xLabel: withUnit(isOne ? xColumn?.label ?? x : "each tool's own stroke", xColumn?.unit), yLabel: withUnit(pairs.length > 1 || isTitled ? "" : yColumn?.label ?? "", yColumn?.unit).trim(),
       onPick: (px, py, toPixels) => this.#go(series, px, py, toPixels), levels: yColumn?.unit === "kN" && !isTitled ? findCapacities(runs) : [],
     });
     chart.setSeries(series);
