@@ -103,7 +103,7 @@ class EstimatedPart:
             waits = waits[~on & (heights[waits] > end - 2.0 * self._half)]
             if not len(waits):
                 break
-        return side * found + place[2]
+        return np.asarray(side * found + place[2])
 
     def _draw_taut(self, low: FloatArray, high: FloatArray) -> FloatArray:
         """Return how far each node moves (n,) [mm], at least and at most so far; nan: no tool is there."""

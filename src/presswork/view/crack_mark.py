@@ -66,6 +66,7 @@ def mark_first_crack(ax: Axes, result: Result, field: str, step: int) -> str:
     place = None if crack is None else place_first_crack(result, crack, step, result.points(step))
     if crack is None or place is None:
         return ""
+    x, y = place[:2]
     for size, colour, line, order in ((120, "white", 4.0, 6), (90, "#d1001f", 2.2, 7)):
-        ax.scatter(*place[:2, None], s=size, marker="x", c=colour, linewidths=line, zorder=order, clip_on=False)
+        ax.scatter([x], [y], s=size, marker="x", c=colour, linewidths=line, zorder=order, clip_on=False)
     return describe_first_crack(crack)

@@ -24,7 +24,7 @@ from presswork.view.style import COLOURS, describe_step, label_field, new_figure
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.cm import ScalarMappable
-    from matplotlib.colors import Colormap, Normalize
+    from matplotlib.colors import Colormap, Norm
     from matplotlib.figure import Figure
 
 _N_LEVELS = 16
@@ -210,7 +210,7 @@ def _colour_by_limit(ax: Axes, result: Result, field: str, values: FloatArray) -
             drawn.set(cmap=colours, norm=norm)
 
 
-def _find_colours(result: Result, field: str, values: FloatArray) -> tuple[str | Colormap, Normalize | None]:
+def _find_colours(result: Result, field: str, values: FloatArray) -> tuple[str | Colormap, Norm | None]:
     """Return the colours of a field and what takes values to them: from green to red where it has a limit."""
     finite = values[np.isfinite(values)]
     stops = find_stops(result, field, float(finite.min()), float(finite.max())) if len(finite) else []
