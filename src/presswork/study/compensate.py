@@ -3,8 +3,8 @@
 
 Displacement adjustment (Gan and Wagoner 2004, Die design method for sheet springback, Int. J. Mech. Sci. 46, 1097),
 then by how each place's curvature answers (`curvature_steps`). DIR/loop_00 ... are the runs, DIR/case_00.toml and
-DIR/tools_00 ... their cases and tools; table.csv and deviation.png show the course; the best tools are left as TOOL.stl
-and compensated.toml.
+DIR/tools_00 ... their cases and tools; table.csv and deviation.png show the course. The best tools are left as
+TOOL.stl, TOOL.step and compensated.toml.
 """
 
 from __future__ import annotations
@@ -48,14 +48,13 @@ from presswork.study.one_member import compute_member, open_search_folder
 from presswork.study.open_runner import open_runner
 from presswork.study.runner import Runner
 from presswork.study.table import read_summary, write_table
+from presswork.study.tool_faces import SheetInTools, write_faces
 
 TABLE, CASE = "table.csv", "compensated.toml"
 _STUCK, _PATIENCE = 0.9, 3
 """Largest deviation over the best before it, from which on a loop has not helped; so many of them end the search."""
 _LONGEST = 1.0
 """Edges of the tools' triangles over those of the blank's cells: at 1.5 facets move the part by 0.01 mm."""
-_LEANS = 0.1
-"""Undercut that is no facets' noise [degree]."""
 _SLAMS_REFUSED = 0.5
 """Thicknesses of free travel from which on a holder is closed by distance, where a case has been refused."""
 _LEANS_MOST, _HALVINGS = 6.0, 3
@@ -171,6 +170,8 @@ class _Search:
         self.drawn = cut_into_triangles(model, _LONGEST * float(np.median(edge)), self.case.blank.thickest, strokes)
         self.goal: Goal | None = None
         self.loops: list[Loop] = []
+        self.made: list[tuple[PressedTool, ...]] = []
+        """Tools of the loops."""
 
     def open_folder(self, folder: Path, resume: bool, overwrite: bool) -> None:
         """Create the folder, or see that it may be used."""
@@ -212,6 +213,8 @@ class _Search:
             if self.goal is None:
                 tools = self.drawn = find_closed(self.drawn, result, find_formed_step(result))
                 self.goal = self.set_goal(part, points, triangles)
+                flat = np.asarray(result.mesh_at(find_formed_step(result)).points)[:, :2]
+                self.sheet = SheetInTools(points, flat, triangles, self.planes, self.case.blank.thickest)
                 correction, steps = np.zeros_like(points), self.goal.begin_steps(self.case.blank.thickest)
             assert correction is not None
             assert steps is not None
@@ -263,6 +266,7 @@ class _Search:
             np.linalg.norm(a.shape.points - b.shape.points, axis=1).max()
             for a, b in zip(tools, self.drawn, strict=True)
         ]
+        self.made.append(tools)
         self.loops.append(
             Loop(
                 number,
@@ -286,13 +290,13 @@ class _Search:
 
     def explain_undercut(self, tools: tuple[PressedTool, ...]) -> str:
         """Explain tools that lean over so far that others cannot pass; empty where there are none."""
-        return _explain_undercut(self.find_undercut(tools))
+        return self.find_undercut(tools).explain()
 
     def explain_no_help(self) -> str:
         """Return why the search ends after corrections that did not help."""
         undercut = max((loop.undercut for loop in self.loops), key=lambda found: found.angle)
         return (
-            f"the last {_PATIENCE} corrections did not help: {_explain_undercut(undercut)}the part is still "
+            f"the last {_PATIENCE} corrections did not help: {undercut.explain()}the part is still "
             f"{min(loop.worst for loop in self.loops):.3g} mm off, near {self.place_of_worst()}. Smaller elements, "
             "slower tools or a larger tolerance may"
         )
@@ -367,17 +371,7 @@ class _Search:
             write_whole(self.folder / f"{name}.stl", (self.folder / tool["path"]).read_bytes())
             tool["path"] = f"{name}.stl"
         write_whole(self.folder / CASE, tomli_w.dumps(data).encode())
-
-
-def _explain_undercut(found: Undercut) -> str:
-    """Explain an undercut; empty for one that is no more than the noise of facets."""
-    if found.angle < _LEANS:
-        return ""
-    x, y, z = found.place
-    return (
-        f"the correction needs an undercut of {found.angle:.2g} degrees in {found.tool} near ({x:.4g}, {y:.4g}, "
-        f"{z:.4g}), which tools that move along the press cannot have: give the wall more draft; "
-    )
+        write_faces(self.folder, self.made[self.loops.index(best)], self.drawn, self.sheet)
 
 
 def _rms(loop: Loop, share: FloatArray) -> float:

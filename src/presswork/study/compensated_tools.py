@@ -31,6 +31,8 @@ _BESIDE, _WALL = 5.0, 10.0
 """Thicknesses by which tools reach beyond the flat blank, and so high walls of punch and holder are kept."""
 _SLAMS, _WRAPS = 0.9, 1.05
 """Thicknesses of free travel before a force, from which on a holder is closed by distance, and the room it leaves."""
+_LEANS = 0.1
+"""Undercut that is no facets' noise [degree]."""
 _UPRIGHT = 1e-3
 """Part of a facet's normal along the press [1], beyond which it faces away from the sheet."""
 
@@ -68,6 +70,16 @@ class Undercut:
     """Angle of the face against the press's direction [degree]; 0: nowhere."""
     place: FloatArray
     """Place in the closed tools (3,) [mm]."""
+
+    def explain(self) -> str:
+        """Explain tools that lean over so far that others cannot pass; empty for no more than the noise of facets."""
+        if self.angle < _LEANS:
+            return ""
+        x, y, z = self.place
+        return (
+            f"the correction needs an undercut of {self.angle:.2g} degrees in {self.tool} near ({x:.4g}, {y:.4g}, "
+            f"{z:.4g}), which tools that move along the press cannot have: give the wall more draft; "
+        )
 
 
 def cut_into_triangles(model: Model, longest: float, thickness: float, stroke: float = 0.0) -> tuple[PressedTool, ...]:
