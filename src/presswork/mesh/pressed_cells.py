@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 
 from presswork.geometry.polygon import contains, list_sides
-from presswork.model import Face, FloatArray, IndexArray, IntArray, SheetPressure
+from presswork.model import Face, FloatArray, IndexArray, IntArray, Mesh, SheetPressure
 
 
 def find_pressed_cells(points: FloatArray, cells: IntArray, pressure: SheetPressure) -> IndexArray:
@@ -18,6 +18,16 @@ def find_pressed_cells(points: FloatArray, cells: IntArray, pressure: SheetPress
         return np.arange(len(cells))
     inside = contains(list_sides(pressure.region.polygon), find_middles(points, cells)[:, :2])
     return np.flatnonzero(inside == (pressure.region.keep == "inside"))
+
+
+def find_rim(mesh: Mesh) -> IntArray:
+    """Return the edges of the rim of a sheet (n, 2), without those where a plane of symmetry cuts it."""
+    cut = [mesh.node_sets[name] for name in ("symmetry_x", "symmetry_y") if name in mesh.node_sets]
+    edges = mesh.boundary_edges[:, :2]
+    is_cut = np.zeros(len(edges), dtype=bool)
+    for nodes in cut:
+        is_cut |= np.isin(edges, nodes).all(axis=1)
+    return np.asarray(edges[~is_cut])
 
 
 def find_middles(points: FloatArray, cells: IntArray) -> FloatArray:

@@ -60,6 +60,8 @@ class SheetPressure:
     """None: the whole sheet."""
     fluid: EnclosedFluid | None = None
     """None: the stages give the pressure."""
+    is_sealed: bool = False
+    """Whether it goes beyond its region, up to the first closed ring of contact that presses as much as it does."""
 
 
 @dataclass(frozen=True)

@@ -148,7 +148,9 @@ class Observed(Protocol):
         """Return the pressures on a sheet by their names [MPa]; none of solids."""
 
     def held_rates(self) -> Mapping[str, float]:
-        """Return the strain rates of a sheet that pressures hold, by the names of these [1/s]; none of solids."""
+        """Return the strain rates of a sheet that pressures hold by the names of these [1/s], of those that tools seal
+        what has leaked off [MPa]; none of solids.
+        """
 
     def body_heat(self) -> tuple[HeatOfForming, HeatArrays] | None:
         """Return the heat of solids, if they have any."""

@@ -17,7 +17,7 @@ from presswork.model import FloatArray, IntArray, Model, SheetPressure
 from presswork.observe.contract import History, Observed, Observer, Row
 
 QUANTITIES = ("p", "volume", "height", "radius", "thickness", "contact")
-RATE = "strain_rate"
+RATE, LEAK = "strain_rate", "leak"
 FITTED = 0.25
 """Distance round the pole over which the sphere is fitted, over the radius of a circle as large as the pressed part."""
 FITTED_EDGES = 2.5
@@ -26,6 +26,8 @@ FLAT = 1e-6
 """Height over the fitted distance below which a sheet has no radius."""
 PASSED = 0.01
 """Fall of a pressure below its largest, over it, from which the sheet has passed the maximum."""
+LEAKED = 0.05
+"""Part of a pressure that leaks above which it is reported."""
 TOUCHED = 0.01
 """Force of a tool in the same direction, over that of the pressure, above which it is reported."""
 
@@ -40,7 +42,7 @@ class PressedSheet(Observer):
         """Return six for each pressure: MPa, mm3 of the whole part, at the pole mm, and the part of it on tools; where
         it holds a strain rate that, too [1/s].
         """
-        return [part.name(each) for part in self._pressed for each in (*QUANTITIES, *([RATE] if part.holds else []))]
+        return [part.name(each) for part in self._pressed for each in (*QUANTITIES, *part.more)]
 
     def row(self, run: Observed, *, is_released: bool = False) -> Row:
         """Return the pressures, which are gone once the part is released, and the shapes of the bulges."""
@@ -54,8 +56,7 @@ class PressedSheet(Observer):
             on_tools = 0.0 if forces is None else part.find_touched(now, forces)
             found = (value.get(part.pressure.name, 0.0), *part.measure(now, strain), on_tools)
             row |= {part.name(quantity): each for quantity, each in zip(QUANTITIES, found, strict=True)}
-            if part.holds:
-                row[part.name(RATE)] = rates.get(part.pressure.name, 0.0)
+            row |= {part.name(each): rates.get(part.pressure.name, 0.0) for each in part.more}
         return row
 
     def summary(self, run: Observed, history: History) -> dict[str, Any]:
@@ -69,7 +70,8 @@ class PressedSheet(Observer):
         if not self._pressed:
             return []
         now, positions, value = run.show(), run.positions(), run.sheet_pressures()
-        return [text for part in self._pressed if (text := part.warn(now, positions, value[part.pressure.name]))]
+        found = [text for part in self._pressed if (text := part.warn(now, positions, value[part.pressure.name]))]
+        return found + [text for part in self._pressed if (text := part.warn_of_leak(history))]
 
 
 class PressedPart:
@@ -78,7 +80,8 @@ class PressedPart:
     def __init__(self, model: Model, pressure: SheetPressure) -> None:
         self.pressure = pressure
         courses = [stage.pressure_course.get(pressure.name) for stage in model.stages]
-        self.holds = any(course is not None and course.held is not None for course in courses)
+        holds = any(course is not None and course.held is not None for course in courses)
+        self.more = [RATE] if holds else [LEAK] if pressure.is_sealed else []
         self._points, self._symmetry, self._whole = model.mesh.points, model.symmetry, model.whole
         self._thickness = model.thickest
         self._numbers = find_pressed_cells(model.mesh.points, model.cells, pressure)
@@ -138,6 +141,19 @@ class PressedPart:
             "time_s": float(history["time"][at]),
             "passed": bool(beyond.any()),
         }
+
+    def warn_of_leak(self, history: History) -> str:
+        """Return a warning where the seal has held less than the pressure that was given."""
+        if LEAK not in self.more or not len(history["time"]):
+            return ""
+        leak, p = (np.asarray(history[self.name(each)], dtype=float) for each in (LEAK, "p"))
+        at = int(np.argmax(leak))
+        if leak[at] <= LEAKED * (p[at] + leak[at]):
+            return ""
+        return (
+            f"the pressure {self.pressure.name} leaks over the flange: at {history['time'][at]:.4g} s tools hold "
+            f"{p[at]:.3g} of {p[at] + leak[at]:.3g} MPa: press the holder harder, or give less pressure"
+        )
 
     def warn(self, now: Instant, positions: FloatArray, value: float) -> str:
         """Return a warning where tools push on the face that the fluid pushes; value: of the pressure [MPa]."""

@@ -275,3 +275,25 @@ def test_rates_that_no_pressure_holds_are_refused(changes: list[tuple[str, objec
     text = refuse(case)
     for word in words:
         assert word in text
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ([("procedure", "explicit")], ["pressure.oil.seal", "implicit procedure alone"]),
+        ([("pressure.oil", {"face": "top", "seal": "tools"})], ["pressure.oil.inside", "begins somewhere"]),
+        ([("pressure.oil.fluid", {"stiffness": 2000, "room": 1000})], ["pressure.oil.seal", "taken to be tight"]),
+    ],
+)
+def test_seals_that_are_not_found_are_refused(changes: list[tuple[str, object]], words: list[str]) -> None:
+    sealed = changed(DRAWN, ("procedure", "implicit"), ("pressure.oil.seal", "tools"), *changes)
+    text = refuse(sealed)
+    for word in words:
+        assert word in text
+
+
+def test_a_seal_without_tools_is_refused() -> None:
+    case = changed(
+        HOT, ("pressure.oil", {"face": "bottom", "inside": {"shape": "circle", "diameter": 40}, "seal": "tools"})
+    )
+    assert "there are no tools that could seal it" in refuse(case)

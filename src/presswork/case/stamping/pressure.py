@@ -49,6 +49,24 @@ class SheetPressure(Part):
         "maximum of the pressure; without it stages give the pressure",
     )
 
+    seal: Literal["tools"] | None = Field(
+        default=None,
+        description="tools: it goes on beyond its line, as counter pressure does, up to the first closed ring of "
+        "shells that tools press on this face with at least its own pressure; where none does, it leaks over the rim "
+        "(implicit). Without it: it stays on its shells",
+    )
+
+    @model_validator(mode="after")
+    def _check_seal(self) -> Self:
+        if self.seal is None:
+            return self
+        if self.fluid is not None:
+            raise fault("a fluid with a volume is taken to be tight", "leave seal or fluid out", key="seal")
+        if self.inside is None and self.outside is None:
+            remedy = "give inside, a line within the opening of the die"
+            raise fault("missing key: a fluid that tools seal begins somewhere", remedy, key="inside")
+        return self
+
     @model_validator(mode="after")
     def _check_one_line(self) -> Self:
         if self.inside is not None and self.outside is not None:

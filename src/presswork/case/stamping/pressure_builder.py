@@ -58,6 +58,15 @@ def check_pressures(case: StampingCase) -> list[Problem]:
             remedy = f'name it in a stage, [stages.pressure.{name}] with p = "8 MPa", or leave it out'
             problems.append(Problem(f"pressure.{name}", "no stage sets its value", remedy))
     problems += _check_rates(case)
+    for name, each in case.pressure.items():
+        key = f"pressure.{name}.seal"
+        if each.seal and case.procedure == "explicit":
+            remedy = 'set procedure = "implicit", or bound the pressure by a line alone'
+            problems.append(Problem(key, "rings of contact are found by the implicit procedure alone", remedy))
+        elif each.seal and not case.tools:
+            problems.append(Problem(key, "there are no tools that could seal it", "leave it out, or add the die"))
+        elif each.seal and any(name in stage.pressure and stage.pressure[name].rate for stage in case.stages):
+            problems.append(Problem(key, "a pressure that holds a rate does not leak", "leave it out, or give p"))
     if case.pressure and case.gradients is not None:
         problems.append(Problem("gradients", "runs with pressure have no derivatives", "leave gradients out"))
     if case.pressure and case.procedure == "explicit" and case.explicit.device != "cpu":
@@ -232,7 +241,7 @@ def _build_pressure(name: str, given: SheetPressure, folder: Path) -> model.Shee
     polygon = draw_line(line, f"pressure.{name}.{keep}", folder)
     if isinstance(polygon, Problem):
         return polygon
-    return model.SheetPressure(name, given.face, model.PressedRegion(polygon, keep), fluid)
+    return model.SheetPressure(name, given.face, model.PressedRegion(polygon, keep), fluid, given.seal is not None)
 
 
 def _key_of_line(pressure: model.SheetPressure) -> str:

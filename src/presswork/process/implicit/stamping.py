@@ -224,7 +224,7 @@ class ImplicitStamping(IncrementRun):
         return {pressure.name: float(value) for pressure, value in each}
 
     def held_rates(self) -> dict[str, float]:
-        """Return the strain rates that pressures hold by their names [1/s]."""
+        """Return the strain rates that pressures hold by their names [1/s], or what has leaked off them [MPa]."""
         state = self.procedure.state
         if PressureArrays not in state:
             return {}
