@@ -11,7 +11,7 @@ const IMAGES = { "": [[1, 1]], x: [[1, 1], [-1, 1]], y: [[1, 1], [1, -1]], xy: [
 const TOOL_COLOURS = [[0.36, 0.4, 0.46], [0.55, 0.4, 0.24], [0.22, 0.42, 0.52], [0.36, 0.5, 0.26]];
 const MOST_EDGES = 60000;
 const AROUND = 0.35, AROUND_START = 0.7; // of the part's size: how far beyond it the view shows tools
-const CLASH = [0.78, 0.12, 0.16], MOST_TRIED = 400, CREASE = 20; // degrees
+const CLASH = [0.78, 0.12, 0.16], MOST_TRIED = 400, MANY_OF_TOOL = 20000, CREASE = 20; // degrees
 
 const attribute = (array, size = 3) => new BufferAttribute(array, size);
 
@@ -102,9 +102,10 @@ export class RunScene {
     uniforms.flowApart.value.set(...apart);
   }
 
-  /** Draw fewer triangles, or all again; only smooth colours have fewer. */
+  /** Draw fewer triangles, or all again; only smooth colours have fewer, and large transparent tools their edges alone. */
   setCoarse(isCoarse) {
     const { shape, mesh } = this;
+    for (const { surface } of this.tools) surface.visible = !isCoarse || this.areToolsSolid || surface.geometry.getAttribute("position").count < 3 * MANY_OF_TOOL;
     if (!shape?.isCoarsened || this.isCoarse === isCoarse || !this.drawnAs) return;
     this.isCoarse = isCoarse;
     mesh.coarse ??= coarsen(mesh, this.run.dimension);
