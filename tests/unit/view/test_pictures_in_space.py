@@ -16,8 +16,11 @@ from matplotlib.figure import Figure
 from presswork.model import CellBlock, Mesh
 from presswork.results import Result, append_step
 from presswork.results.whole_file import write_whole
+from presswork.view.crack_mark import place_first_crack
 from presswork.view.limit_colours import GREEN, RED, YELLOW, find_stops, make_limit_colours
+from presswork.view.plots.mesh_plot import _find_colours
 from presswork.view.plots.shell_plot import fill_figure, frame_axes, plot_shell
+from presswork.view.style import COLOURS
 from presswork.view.whole_tools import clip_triangles, find_tool_faces, split_long
 
 
@@ -89,6 +92,20 @@ def test_first_crack_is_a_cross_on_top_of_the_sheet(tmp_path: Path) -> None:
     assert len(crosses) == 2
     assert "first crack (x) at punch 3 mm" in figure.get_supxlabel()
     assert figure.get_suptitle().split("\n")[0] == "cracked"
+
+
+def test_first_crack_of_a_run_with_new_meshes_is_marked_where_it_began() -> None:
+    result: Any = SimpleNamespace(times=[0.0, 1.0], mesh_at=lambda step: SimpleNamespace(step=step))
+    crack = {"time_s": 0.5, "at_mm": [1.0, 2.0], "cell": 7}
+    np.testing.assert_allclose(place_first_crack(result, crack, 1, np.zeros((4, 2))), [1.0, 2.0])
+    assert place_first_crack(result, crack, 0, np.zeros((4, 2))) is None
+
+
+def test_contours_have_the_colours_of_a_limit_as_the_mesh_has() -> None:
+    colours, norm = _find_colours(judged(0.1, 0.5), "damage_oyane", np.array([0.0, 0.6, np.nan]))
+    assert norm is not None
+    np.testing.assert_allclose(colours(norm(0.5))[:3], to_rgb(RED), atol=0.02)
+    assert _find_colours(judged(0.1, 0.5), "effective_stress", np.array([0.0, 0.6])) == (COLOURS, None)
 
 
 def test_dies_below_are_drawn_whole_and_tools_above_pale_behind_the_part(tmp_path: Path) -> None:

@@ -73,7 +73,8 @@ class Meeting:
         """Return the tools that meet where they stand, if those that move in the stage do."""
         for pair in self._pairs:
             if self._measure(pair, at) > 2.0 * DEEP * self._size + self.slack:
-                return Clash(pair, f"{pair[0]} meets {pair[1]}{', on the estimated part' if self.slack else ''}")
+                one, other = (name.replace("_", " ") for name in pair)
+                return Clash(pair, f"{one} meets {other}{', on the estimated part' if self.slack else ''}")
         for name in self._list_moving(stage):
             if plane := self._pass_plane(name, at, np.array(stage.tool_motion[name].move)):
                 return Clash((name,), f"{name} passes the symmetry plane {plane}: it meets its mirror image")
