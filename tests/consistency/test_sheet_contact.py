@@ -9,13 +9,14 @@ from presswork.geometry.swept_tool import draw_die, draw_hemispherical_punch, dr
 from presswork.geometry.tool_surface import make_surface
 from presswork.interaction.space.sheet_contact import ROUNDING, sheet_nodes
 from presswork.interaction.space.space_touch import (
+    FrictionOfNodes,
     NodesOnTool,
     PlacedSurface,
     TouchingNodes,
     choose_touched,
     touch_tool,
 )
-from presswork.model import Friction
+from presswork.model import Friction, FrictionFactors
 
 THICKNESS = 0.8
 STIFFNESS = 2.1e3
@@ -50,18 +51,20 @@ def touch(
     surface: PlacedSurface, law: Friction, sheet: TouchingNodes, x: np.ndarray, way: np.ndarray, before: np.ndarray
 ) -> NodesOnTool:
     """Return the forces of a tool on a sheet."""
-    return touch_tool(surface, law, choose_touched(surface.nearest(x, sheet.farthest), sheet), x, way, before)
+    touched = choose_touched(surface.nearest(x, sheet.farthest), sheet)
+    return touch_tool(surface, FrictionOfNodes(law, sheet.area[touched.nodes]), touched, x, way, before)
 
 
 @pytest.mark.parametrize("deep", [1e-2, 3e-5], ids=["deep", "within the rounding"])
-@pytest.mark.parametrize("state", ["frictionless", "sticks", "slides"])
+@pytest.mark.parametrize("state", ["frictionless", "sticks", "slides", "slides by pressure"])
 @pytest.mark.parametrize("name", [*SURFACES, "turned die"])
 def test_tangent_is_the_derivative_of_the_forces(name: str, state: str, deep: float) -> None:
-    tool = place(name), Friction(mu={"frictionless": 0.0, "sticks": 10.0, "slides": 0.1}[state])
+    factors = FrictionFactors(exponent=0.7, reference=4.0) if state == "slides by pressure" else None
+    tool = place(name), Friction(mu={"frictionless": 0.0, "sticks": 10.0}.get(state, 0.1), factors=factors)
     sheet, x, _ = press(name, deep)
     rng = np.random.default_rng(4)
     way = rng.normal(size=x.shape) * THICKNESS * (1e-3 if state == "sticks" else 1.0)
-    before = rng.normal(size=x.shape) * (0.1 if state == "slides" else 1e-3)
+    before = rng.normal(size=x.shape) * (0.1 if state.startswith("slides") else 1e-3)
     found = touch(*tool, sheet, x, way, before)
     assert len(found.nodes) == len(x)
     h = 1e-7

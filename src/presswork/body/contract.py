@@ -21,5 +21,8 @@ class Cells(Protocol):
     def nodal_flow_stress(self, state: State) -> FloatArray:
         """Return the mean flow stress of the cells round each node (n_points,) [MPa]."""
 
+    def nodal_temperature(self, state: State) -> FloatArray | None:
+        """Return the mean temperature of the cells round each node (n_points,) [degrees C]; None: it is not known."""
+
     def couple(self, couplings: IntArray) -> None:
         """Let the matrix hold these node pairs (n, 2) beside those of the cells."""

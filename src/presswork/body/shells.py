@@ -286,11 +286,20 @@ class ShellMechanics:
 
     def nodal_flow_stress(self, state: State) -> FloatArray:
         """Return the mean flow stress of the cells round each node (n_points,) [MPa]."""
+        return self._spread([self.flow_stress(i, state).mean(axis=1) for i in range(len(self._connectivity))])
+
+    def nodal_temperature(self, state: State) -> FloatArray | None:
+        """Return the mean temperature of the cells round each node (n_points,) [degrees C]; None: it is not known."""
+        if not all(degrees.size for degrees in state.cells.temperature):
+            return None
+        return self._spread([degrees.reshape(len(degrees), -1).mean(axis=1) for degrees in state.cells.temperature])
+
+    def _spread(self, values: Sequence[FloatArray]) -> FloatArray:
+        """Return the mean over the cells round each node (n_points,) of values of each block's cells (n_cells,)."""
         n = len(self._model.mesh.points)
         total, count = np.zeros(n), np.zeros(n)
-        for i, connectivity in enumerate(self._connectivity):
-            flow = self.flow_stress(i, state).mean(axis=1)
-            np.add.at(total, connectivity, flow[:, None])
+        for connectivity, own in zip(self._connectivity, values, strict=True):
+            np.add.at(total, connectivity, own[:, None])
             np.add.at(count, connectivity, 1.0)
         return total / np.maximum(count, 1.0)
 

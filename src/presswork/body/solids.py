@@ -268,11 +268,22 @@ class Mechanics:
 
     def nodal_flow_stress(self, state: State) -> FloatArray:
         """Return the mean flow stress of the cells round each node (n_points,) [MPa]."""
+        return self._spread([self._flow_stress_now(i, state).mean(axis=1) for i in range(len(self._connectivity))])
+
+    def nodal_temperature(self, state: State) -> FloatArray | None:
+        """Return the mean temperature of the cells round each node (n_points,) [degrees C]; None: it is not known."""
+        blocks = range(len(self._connectivity))
+        if any(self._material(i).heating is None for i in blocks):
+            return None
+        of_points = (self.temperature_at_points(state, i).reshape(state.cells.eqps[i].shape) for i in blocks)
+        return self._spread([degrees.mean(axis=1) for degrees in of_points])
+
+    def _spread(self, values: Sequence[FloatArray]) -> FloatArray:
+        """Return the mean over the cells round each node (n_points,) of values of each block's cells (n_cells,)."""
         total, count = np.zeros(len(self._model.mesh.points)), np.zeros(len(self._model.mesh.points))
-        for i, connectivity in enumerate(self._connectivity):
-            flow = self._flow_stress_now(i, state).mean(axis=1)
+        for connectivity, own in zip(self._connectivity, values, strict=True):
             for column in connectivity.T:
-                total += np.bincount(column, flow, minlength=len(total))
+                total += np.bincount(column, own, minlength=len(total))
                 count += np.bincount(column, minlength=len(total))
         return total / np.maximum(count, 1)
 

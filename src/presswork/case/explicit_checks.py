@@ -87,6 +87,9 @@ def check_friction(key: str, tool: Tool | SpaceTool, laws: Sequence[str] = CONTA
     if tool.contact not in laws:
         remedy = f"take {', '.join(laws[:-1])} or {laws[-1]}"
         problems.append(Problem(f"{key}.contact", "the explicit procedure has no such law", remedy, tool.contact))
+    if tool.friction is not None:
+        text, remedy = "friction that depends on the state is for implicit runs", "remove it, or take that procedure"
+        problems.append(Problem(f"{key}.friction", text, remedy))
     if tool.mu > LARGEST_MU:
         problems.append(Problem(f"{key}.mu", f"expected a value <= {LARGEST_MU:g}", "steel on steel has 0.1", tool.mu))
     return problems

@@ -57,6 +57,8 @@ class ContactForces:
     """Contact of every node (n_points,): 0 apart, 1 held along the normal, 2 held in both directions."""
     gap: FloatArray
     """Distance of every node from the nearest tool (n_points,) [mm]; NaN inside the body and where there is none."""
+    factor: FloatArray | None = None
+    """Of m and mu, by speed, path and temperature (n,); None: one."""
 
 
 @dataclass(frozen=True)

@@ -20,6 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from presswork.fields.contact_stress import ContactForces, ContactSurface, confine
+from presswork.law.friction import limit_stress
 from presswork.model import BoolArray, FloatArray, IndexArray, Model, Tool
 
 BEARING = 2 + np.pi
@@ -87,15 +88,15 @@ def friction_limit(
 ) -> FloatArray:
     """Return the largest friction stress that a tool's law allows (n_points,) [MPa]; zero without friction.
 
-    m k, mu p or the smaller of both; k is the flow stress at the node over root 3. own: the tool's entries in contact.
+    own: the tool's entries in contact.
     """
     limit = np.zeros(len(pressure))
     nodes, segment = contact.nodes[own], contact.segment[own]
-    m, mu = tool.friction_by_segment()
-    by_shear = m[segment] * flow_stress[nodes] / np.sqrt(3.0)
-    by_push = mu[segment] * np.maximum(pressure[nodes], 0.0)
-    laws = {"shear": by_shear, "coulomb": by_push, "coulomb_capped": np.minimum(by_shear, by_push)}
-    limit[nodes] = laws.get(tool.friction.law, 0.0)
+    m, mu = (of[segment] for of in tool.friction_by_segment())
+    if contact.factor is not None:
+        m, mu = m * contact.factor[own], mu * contact.factor[own]
+    shear_flow = flow_stress[nodes] / np.sqrt(3.0)
+    limit[nodes], _ = limit_stress(tool.friction, m, mu, np.maximum(pressure[nodes], 0.0), shear_flow)
     return limit
 
 

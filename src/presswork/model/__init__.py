@@ -114,26 +114,32 @@ from presswork.model.stage import (
     find_direction,
 )
 from presswork.model.tool import (
+    BY_PRESSURE,
+    FRICTION_KEYS,
     ContactLaw,
     Drawbead,
     Friction,
+    FrictionFactors,
     Plane,
     Profile,
     Spring,
     Surface,
     SweptProfile,
     Tool,
+    ToolContactLaw,
     ToolKind,
     Triangulation,
 )
 from presswork.model.transformation import ELEMENTS_OF_STEEL, PHASES, Transformation
 
 __all__ = [
+    "BY_PRESSURE",
     "CELLS",
     "COLDEST",
     "ELEMENTS",
     "ELEMENTS_OF_STEEL",
     "FEW_OUTSIDE",
+    "FRICTION_KEYS",
     "FULL_DIE",
     "GTN",
     "HOTTEST",
@@ -179,6 +185,7 @@ __all__ = [
     "FormedSheet",
     "FormedSolid",
     "Friction",
+    "FrictionFactors",
     "FrictionTangent",
     "Gauge",
     "Goal",
@@ -255,6 +262,7 @@ __all__ = [
     "Thermoelastic",
     "ThicknessRule",
     "Tool",
+    "ToolContactLaw",
     "ToolHeat",
     "ToolKind",
     "ToolMotion",

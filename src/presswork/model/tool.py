@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
@@ -12,6 +13,13 @@ from presswork.model.arrays import FloatArray, IntArray
 from presswork.model.die_body import ToolWear
 
 ContactLaw = Literal["frictionless", "sticking", "shear", "coulomb", "coulomb_capped"]
+ToolContactLaw = ContactLaw | Literal["wanheim_bay", "levanov"]
+FRICTION_KEYS: Mapping[str, tuple[str, ...]] = {
+    "shear": ("m",), "coulomb": ("mu",), "coulomb_capped": ("m", "mu"), "wanheim_bay": ("m",), "levanov": ("m",),
+}  # fmt: skip
+"""What laws of friction ask for."""
+BY_PRESSURE = ("coulomb", "coulomb_capped", "wanheim_bay", "levanov")
+"""Laws whose friction depends on the pressure, so that the tangent is not symmetric."""
 ToolKind = Literal["punch", "die", "holder"]
 
 
@@ -60,15 +68,35 @@ Surface = SweptProfile | Triangulation | Plane
 
 
 @dataclass(frozen=True)
+class FrictionFactors:
+    """What m and mu of a tool are multiplied by: rows of a quantity and its factor (n, 2), the quantity ascending."""
+
+    pressure: FloatArray | None = None
+    """By the contact pressure [MPa]."""
+    speed: FloatArray | None = None
+    """By the speed of sliding [mm/s]."""
+    temperature: FloatArray | None = None
+    """By the temperature of the workpiece at the surface [degrees C]."""
+    path: FloatArray | None = None
+    """By the path that the surface of the workpiece has slid on tools [mm]."""
+    exponent: float = 1.0
+    """Another factor, (p / reference)^(exponent - 1)."""
+    reference: float = 1.0
+    """Pressure at which m and mu hold [MPa]."""
+
+
+@dataclass(frozen=True)
 class Friction:
     """What a tool's surface does along itself to the workpiece. Tools of sheets have "coulomb"."""
 
-    law: ContactLaw = "coulomb"
+    law: ToolContactLaw = "coulomb"
     m: float | FloatArray = 0.0
-    """Friction factor of "shear" and "coulomb_capped", 0 to 1: tau = m k, k the shear flow stress; one, or one for each
-    segment of a profile (n_segments,)."""
+    """Friction factor of "shear", "coulomb_capped", "wanheim_bay" and "levanov", 0 to 1: tau = m k at most, k the shear
+    flow stress; one, or one for each segment of a profile (n_segments,)."""
     mu: float | FloatArray = 0.0
     """Coefficient of friction of "coulomb" and "coulomb_capped", in the same form."""
+    factors: FrictionFactors | None = None
+    """How m and mu depend on the state; None: they are constant."""
 
 
 @dataclass(frozen=True)

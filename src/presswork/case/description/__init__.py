@@ -164,9 +164,21 @@ def _describe_tool(tool: model.Tool) -> str:
 
 def _describe_friction(tool: model.Tool) -> str:
     """Name the friction of a tool, every value of one that varies."""
-    laws = {"shear": ("m",), "coulomb": ("mu",), "coulomb_capped": ("m", "mu")}
-    values = [(symbol, np.unique(getattr(tool.friction, symbol))) for symbol in laws.get(tool.friction.law, ())]
-    return "".join(f", {symbol} = {' and '.join(f'{value:g}' for value in found)}" for symbol, found in values)
+    keys = model.FRICTION_KEYS.get(tool.friction.law, ())
+    values = [(symbol, np.unique(getattr(tool.friction, symbol))) for symbol in keys]
+    found = "".join(f", {symbol} = {' and '.join(f'{value:g}' for value in found)}" for symbol, found in values)
+    return found + describe_factors(tool.friction.factors)
+
+
+def describe_factors(factors: model.FrictionFactors | None) -> str:
+    """Name what the friction of a tool depends on, with the range of its factor."""
+    if factors is None:
+        return ""
+    tables = {name: getattr(factors, name) for name in ("pressure", "speed", "temperature", "path")}
+    words = [f"{name} ({t[:, 1].min():g} to {t[:, 1].max():g})" for name, t in tables.items() if t is not None]
+    if factors.exponent != 1.0:
+        words.append(f"(p / {factors.reference:g} MPa)^{factors.exponent - 1.0:.4g}")
+    return f", times factors of {', '.join(words)}"
 
 
 def _describe_contact(problem: model.Model, contact: model.BodyContact) -> str:

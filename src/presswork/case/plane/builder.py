@@ -90,7 +90,7 @@ def build_plane_model(case: schema.Case, *, run_user_code: bool = True) -> model
         tools=tools,
         supports=supports,
         stages=stages,
-        solver=build_solver(case.solver, with_coulomb=_has_coulomb(case), with_body_contact=bool(contacts)),
+        solver=build_solver(case.solver, with_coulomb=_depends_on_pressure(case), with_body_contact=bool(contacts)),
         output=build_output(case.output),
         bodies=bodies,
         contacts=contacts,
@@ -111,9 +111,9 @@ def _list_taken(case: schema.Case, stages: Sequence[model.Stage]) -> set[str]:
     return {*case.tools, *case.contacts, *case.boundary, *(p.node_set for stage in stages for p in stage.prescribed)}
 
 
-def _has_coulomb(case: schema.Case) -> bool:
-    """Return whether a tool has Coulomb's friction."""
-    return any(tool.contact.startswith("coulomb") for tool in case.tools.values())
+def _depends_on_pressure(case: schema.Case) -> bool:
+    """Return whether the friction of a tool depends on the pressure."""
+    return any(tool.contact in model.BY_PRESSURE or tool.friction is not None for tool in case.tools.values())
 
 
 def _stop_at(problems: list[Problem], case: schema.Case) -> None:

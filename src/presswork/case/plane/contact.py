@@ -14,12 +14,12 @@ from presswork.case.part import Part
 from presswork.case.units import Number, fault
 
 
-def require_friction(part: Part, contact: model.ContactLaw, pieces: Sequence[str] = ()) -> None:
+def require_friction(part: Part, contact: model.ToolContactLaw, pieces: Sequence[str] = ()) -> None:
     """Check that the keys m and mu are there where the law of contact needs them, and nowhere else.
 
     `pieces`: keys below the part's that give an m or mu of their own, e.g. `profile.2.mu`.
     """
-    needs = {"shear": ("m",), "coulomb": ("mu",), "coulomb_capped": ("m", "mu")}.get(contact, ())
+    needs = model.FRICTION_KEYS.get(contact, ())
     for key in needs:
         if key not in part.model_fields_set:
             raise fault("missing key", f'contact = "{contact}" needs {" and ".join(needs)}', key=key)

@@ -21,6 +21,7 @@ from presswork.case.plane.separation import check_separation
 from presswork.case.plane.workpiece import MeshFile, Rectangle, Workpiece
 from presswork.case.press.builder import check_timing
 from presswork.case.settings import check_small_displacements
+from presswork.case.tools.friction import list_friction_problems
 from presswork.case.tools.wear import list_wear_problems
 from presswork.case.units import LENGTH, unit_factor
 from presswork.memory import available_memory, estimate_rectangle, explain_shortage
@@ -55,6 +56,8 @@ def check_references(case: schema.Case) -> list[Problem]:
         problems += _check_unit(f"tools.{name}.unit", entry.unit or "mm")
         problems += check_rings(f"tools.{name}.body", entry.body, case.analysis)
     problems += list_wear_problems(case.tools, case.stages, heated=case.heat is not None)
+    laws = {name: tool.contact for name, tool in case.tools.items()}
+    problems += list_friction_problems(case.tools, heated=case.heat is not None, laws=laws)
     problems += check_laws(case) + _check_densities(case) + check_small_displacements(case.solver)
     if case.solver.control == "arc_length":
         fault = "arc length is for shells under loads alone"

@@ -14,6 +14,7 @@ from presswork.case.names import FileName
 from presswork.case.part import Part, ShortForm
 from presswork.case.plane.contact import require_friction
 from presswork.case.plane.die_body import DieBody
+from presswork.case.tools.friction import FrictionFactors
 from presswork.case.tools.wear import Wear
 from presswork.case.units import (
     Direction,
@@ -139,10 +140,11 @@ class Tool(Part):
         description="how far the arcs of the profile may lie off the smooth curve [mm], and how far apart the ends of "
         "a drawing's pieces; default: 1e-5 of the profile's extent",
     )
-    contact: model.ContactLaw = Field(
-        description="frictionless, sticking, or friction: shear (tau = m k), coulomb (tau = mu p), coulomb_capped"
+    contact: model.ToolContactLaw = Field(
+        description="frictionless, sticking, or friction: shear (tau = m k), coulomb (tau = mu p), coulomb_capped, "
+        "wanheim_bay (mu p, which turns smoothly to m k), levanov (m k (1 - exp(-1.25 p / flow stress)))"
     )
-    m: Number = Field(default=0.0, ge=0.0, le=1.0, description="friction factor of shear and coulomb_capped, 0 to 1")
+    m: Number = Field(default=0.0, ge=0.0, le=1.0, description="friction factor of the other laws, 0 to 1")
     mu: Number = Field(default=0.0, ge=0.0, description="coefficient of friction of coulomb and coulomb_capped")
     closed: bool = Field(default=False, description="join the last point to the first")
     free_side: Literal["auto", "left", "right"] = Field(
@@ -171,6 +173,9 @@ class Tool(Part):
         default=None, description="the tool's body, whose stress `presswork dies` finds after the run"
     )
     wear: Wear | None = Field(default=None, description="how the tool's surface wears")
+    friction: FrictionFactors | None = Field(
+        default=None, description="how m and mu depend on pressure, speed, temperature and the path slid"
+    )
 
     @model_validator(mode="after")
     def _check_friction(self) -> Self:

@@ -42,6 +42,7 @@ from presswork.case.space.symmetry import Symmetry, build_supports, check_symmet
 from presswork.case.space.tool_builder import build_tool, check_motions, find_first_direction, list_arcs
 from presswork.case.space.tool_checks import mean_edge, warn_of_facets, warn_of_radius, warn_of_widths
 from presswork.case.tool_sizes import warn_of_tools
+from presswork.case.tools.friction import list_friction_problems
 from presswork.case.tools.wear import list_wear_problems
 from presswork.mesh.faces import face_areas
 
@@ -142,7 +143,9 @@ def _depends_on_pushes(case: SpaceCase) -> bool:
     """
     is_meshed_anew = case.remesh is not None and case.remesh.enabled
     return any(
-        tool.contact.startswith("coulomb") or (is_meshed_anew and tool.contact == "shear" and tool.m > 0.0)
+        tool.contact in model.BY_PRESSURE
+        or tool.friction is not None
+        or (is_meshed_anew and tool.contact == "shear" and tool.m > 0.0)
         for tool in case.tools.values()
     )
 
@@ -193,6 +196,8 @@ def _check_materials(case: SpaceCase) -> list[Problem]:
     used = {body.material for _, body in list_space_bodies(case).values()}
     problems = list(check_needs(case.materials, sorted(used), case.stages, heated=heated))
     problems += list_wear_problems(case.tools, case.stages, heated=heated)
+    laws = {name: tool.contact for name, tool in case.tools.items()}
+    problems += list_friction_problems(case.tools, heated=heated, laws=laws)
     problems += [*check_space_heat(case), *check_friction_of_elastic(case)]
     for name, material in case.materials.items():
         if isinstance(material, UmatMaterial):

@@ -130,7 +130,7 @@ def _place(name: str, tool: SpaceTool, shape: Surface) -> Tool:
         name,
         shape,
         (0.0, 0.0, 0.0) if tool.position == "touch" else tool.position,
-        Friction(tool.contact, tool.m, tool.mu),
+        Friction(tool.contact, tool.m, tool.mu, None if tool.friction is None else tool.friction.build()),
         centre=centre or (0.0, 0.0, 0.0),
         axis=tool.turning_axis or (0.0, 0.0, 1.0),
         rotation=tool.rotation.build() if tool.rotation is not None else (0.0, 0.0, 0.0),

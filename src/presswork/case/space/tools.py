@@ -15,6 +15,7 @@ from presswork.case.names import FileName
 from presswork.case.part import Part
 from presswork.case.plane.contact import require_friction
 from presswork.case.plane.tool import ProfilePoint, check_motion
+from presswork.case.tools.friction import FrictionFactors
 from presswork.case.tools.wear import Wear
 from presswork.case.units import Angle, Direction3, Force, Length, Number, Place3, Point3, Stiffness, fault
 from presswork.mesh.files.cad import is_cad
@@ -65,10 +66,11 @@ class SpaceSpring(Part):
 class _SpaceTool(Part):
     """What tools of any shape have."""
 
-    contact: model.ContactLaw = Field(
-        description="frictionless, sticking, or friction: shear (tau = m k), coulomb (tau = mu p), coulomb_capped"
+    contact: model.ToolContactLaw = Field(
+        description="frictionless, sticking, or friction: shear (tau = m k), coulomb (tau = mu p), coulomb_capped, "
+        "wanheim_bay (mu p, which turns smoothly to m k), levanov (m k (1 - exp(-1.25 p / flow stress)))"
     )
-    m: Number = Field(default=0.0, ge=0.0, le=1.0, description="friction factor of shear and coulomb_capped, 0 to 1")
+    m: Number = Field(default=0.0, ge=0.0, le=1.0, description="friction factor of the other laws, 0 to 1")
     mu: Number = Field(default=0.0, ge=0.0, description="coefficient of friction of coulomb and coulomb_capped")
     position: Place3 = Field(
         default=(0.0, 0.0, 0.0),
@@ -90,6 +92,9 @@ class _SpaceTool(Part):
     heat: ToolHeat | None = Field(default=None, description="temperature of the tool; without it: no heat passes")
     spring: SpaceSpring | None = Field(default=None, description="a spring on which the tool rests, as a cushion does")
     wear: Wear | None = Field(default=None, description="how the tool's surface wears")
+    friction: FrictionFactors | None = Field(
+        default=None, description="how m and mu depend on pressure, speed, temperature and the path slid"
+    )
 
     @model_validator(mode="after")
     def _check_friction(self) -> Self:

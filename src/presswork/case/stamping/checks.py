@@ -20,6 +20,7 @@ from presswork.case.stamping.shapes import clearance
 from presswork.case.stamping.stage_checks import check_stages
 from presswork.case.stamping.tools import DrawnTool, SectionTool, ToolFile
 from presswork.case.stamping.tools import Tool as CaseTool
+from presswork.case.tools.friction import list_friction_problems
 from presswork.case.units import LENGTH, unit_factor
 from presswork.geometry.tool_surface import make_surface
 from presswork.law.elastic_plastic import first_flow_stress
@@ -66,6 +67,14 @@ def check_names(case: StampingCase) -> list[Problem]:
             unit_factor(unit, LENGTH)
         except ValueError as error:
             problems.append(Problem(key, f"expected a unit of length, but {error}", "e.g. mm, m, inch", unit))
+    problems += list_friction_problems(case.tools, heated=case.heat is not None)
+    if case.procedure == "explicit":
+        fault, remedy = (
+            "friction that depends on the state is for implicit runs",
+            'remove it, or set procedure = "implicit"',
+        )
+        rough = [name for name, tool in case.tools.items() if tool.friction is not None]
+        problems += [Problem(f"tools.{name}.friction", fault, remedy) for name in rough]
     if case.blank.refine is not None and case.procedure == "implicit":
         fault, remedy = "only the explicit procedure splits shells", "leave it out, or give a smaller element_size"
         problems.append(Problem("blank.refine", fault, remedy))

@@ -59,7 +59,8 @@ def build_tools(
         if isinstance(position, Problem):
             problems.append(position)
             continue
-        tools.append(ToolModel(name, shape, position, Friction(mu=tool.mu), tool.kind, find_tool_direction(tool)))
+        friction = Friction(mu=tool.mu, factors=None if tool.friction is None else tool.friction.build())
+        tools.append(ToolModel(name, shape, position, friction, tool.kind, find_tool_direction(tool)))
     return tuple(tools), problems
 
 

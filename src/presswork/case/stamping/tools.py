@@ -11,6 +11,7 @@ from presswork.case.heat.forming import ToolHeat
 from presswork.case.names import FileName
 from presswork.case.part import Part
 from presswork.case.stamping.plan_line import Trim
+from presswork.case.tools.friction import FrictionFactors
 from presswork.case.units import Direction3, Length, Number, Point, Point3, fault
 from presswork.geometry.section_tool import SectionError, draw_one_sided, draw_round_x, draw_section
 from presswork.mesh.files.cad import is_cad
@@ -42,6 +43,10 @@ class _Tool(Part):
     )
     heat: ToolHeat | None = Field(
         default=None, description="its temperature and conductance, with [heat]; without it: no heat passes into it"
+    )
+
+    friction: FrictionFactors | None = Field(
+        default=None, description="how mu depends on pressure, speed, temperature and the path slid"
     )
 
     @model_validator(mode="after")

@@ -92,7 +92,7 @@ def build_tool(
         name,
         Profile(drawn),
         (float(place[0]), float(place[1]), 0.0),
-        Friction(tool.contact, m, mu),
+        Friction(tool.contact, m, mu, None if tool.friction is None else tool.friction.build()),
         centre=tool.centre or find_centre(drawn) or (0.0, 0.0),
         spring=spring,
         mirrored_across=mirrored,

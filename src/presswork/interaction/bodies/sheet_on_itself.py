@@ -121,7 +121,7 @@ class SheetOnItself(Interaction):
         """Return what the law must know of the slots, whose gaps are counted from touching."""
         nodes = self._nodes.touching()
         spring, rounding = np.repeat(nodes.spring, FACES), np.repeat(nodes.rounding, FACES)
-        return TouchingNodes(spring, np.zeros_like(spring), rounding)
+        return TouchingNodes(spring, np.zeros_like(spring), rounding, np.repeat(nodes.area, FACES))
 
     def _look(self, x: FloatArray, x_n: FloatArray, reach: float) -> tuple[IntArray, FloatArray, FloatArray, int]:
         half = 0.5 * self._nodes.thickness

@@ -10,6 +10,8 @@ the start of the increment:
 
     shear m k A        coulomb mu N        coulomb_capped min(mu N, m k A)
 
+and what law/friction.py has for a pressure N / A. m and mu may depend on speed, path and temperature (sliding.py).
+
 The converged answer is the same whatever the tangent; settings.friction_tangent chooses it:
 
     return_mapping   k_t where the node hangs, nothing where it slides, and Coulomb's dependence on N (unsymmetric);
@@ -33,7 +35,9 @@ from presswork.interaction.contract import Constraints, Matrix
 from presswork.interaction.coulomb import return_to_limit
 from presswork.interaction.plane.grazing import Drag
 from presswork.interaction.plane.tool_contact import Contact
+from presswork.interaction.sliding import Sliding
 from presswork.interaction.tool_arrays import SLIDING, ContactArrays
+from presswork.law.friction import is_plain, limit_stress
 from presswork.model import BoolArray, FloatArray, IndexArray, IntArray, Model, find_cell
 from presswork.state import State
 
@@ -162,6 +166,9 @@ class Friction:
         self._by_shear = np.array([law in ("shear", "coulomb_capped") for law in laws], dtype=bool)
         self._by_push = np.array([law in ("coulomb", "coulomb_capped") for law in laws], dtype=bool)
         self._has_friction = np.array([law not in ("frictionless", "sticking") for law in laws], dtype=bool)
+        self._of_pressure = [t for t, tool in enumerate(model.plane_tools) if not is_plain(tool.friction)]
+        self.sliding = Sliding(model.plane_tools, len(contact.nodes))
+        self._factor: FloatArray | None = None
         self.softness = 1.0
         """How many times softer than they are the springs are taken, during the iteration to equilibrium."""
         self.lost = 0.0
@@ -173,19 +180,36 @@ class Friction:
         self._used = np.ones(len(contact.nodes))
         self.lost_at = np.zeros(len(contact.nodes))
         """Work lost at each candidate in the last converged increment (n_candidates,) [N mm]."""
+        self._slid = np.zeros(len(contact.nodes))
+
+    @property
+    def has_factors(self) -> bool:
+        """Whether m or mu of any tool depends on speed, path or temperature."""
+        return self.sliding.is_needed or self.sliding.needs_temperature
 
     @property
     def drag(self) -> Drag:
         """Friction of the candidates in the last iteration."""
         return Drag(np.abs(self._force_before), self._used)
 
-    def begin_increment(self, state_n: State, flow_stress: FloatArray) -> None:
-        """Take the shear flow stress of every candidate from the flow stress at the nodes (n_points,) [MPa]."""
+    def begin_increment(self, state_n: State, flow_stress: FloatArray, temperature: FloatArray | None) -> None:
+        """Take shear flow stress and factors of every candidate.
+
+        flow_stress, temperature: at the nodes (n_points,) [MPa], [degrees C].
+        """
+        self._factor = self.find_factors(state_n, temperature) if self._of_pressure else None
         self._slip_before[:], self._force_before[:], self._used[:] = 0.0, 0.0, 1.0
         if self.is_needed:
             self._shear_flow = flow_stress[self._contact.nodes] / np.sqrt(3.0)
             slip = np.abs(state_n.nodes.increment[self._contact.nodes]).max(axis=1)
             self._bond = BOND_SOFTENING / np.maximum(slip, self._slip)
+
+    def find_factors(self, state: State, temperature: FloatArray | None) -> FloatArray:
+        """Return what m and mu are multiplied by at each candidate, whatever its pressure (n_tools, n_candidates).
+
+        temperature: at the nodes (n_points,) [degrees C], if it is known.
+        """
+        return self.sliding.find_factors(state, None if temperature is None else temperature[self._contact.nodes])
 
     def _places(self, trial: State, held_alone: BoolArray) -> tuple[IndexArray, IndexArray]:
         """Return places among the candidates, and tools, of the nodes that friction acts on."""
@@ -224,14 +248,16 @@ class Friction:
         m, mu = self._m[tool, segment], self._mu[tool, segment]
         by_shear = np.where(self._by_shear[tool], m * self._shear_flow[place] * area, np.inf)
         by_push = np.where(self._by_push[tool], mu * push, np.inf)
-        limit = np.minimum(by_shear, by_push)
+        limit, rise = np.minimum(by_shear, by_push), np.where(by_push < by_shear, mu, 0.0)
+        for t in self._of_pressure:
+            own = tool == t
+            limit[own], rise[own] = self._limit_by_pressure(t, m[own], mu[own], push[own], area[own], place[own])
         # 3. hang or slide
         stiffness = self._shear_flow[place] * beside / (self._slip * self.softness)
         spring = state_n[ContactArrays].drag[place] - stiffness * slip
         returned = return_to_limit(spring, limit)
         force, slides = returned.force, returned.slides
-        follows_push = slides & (by_push < by_shear) & (push > 0)
-        slope = np.where(follows_push, mu * returned.along, 0.0)
+        slope = np.where(slides & (push > 0), rise * returned.along, 0.0)
         on_diagonal, slope = self._tangent(place, limit, stiffness, slides, slope)
         turned_round = slides & (force * self._force_before[place] < 0)
         if self._model.solver.friction_tangent == "return_mapping":
@@ -242,13 +268,24 @@ class Friction:
         self._used[place] = np.abs(force) / np.maximum(limit, 1e-300)
         # 4. what depends on areas: the limit by the part that touches, the spring by all edges beside
         by_limit, by_spring = (np.zeros_like(deformed) for _ in range(2))
-        at_limit, spring_only = slides & (by_shear <= by_push), ~slides
-        by_limit[nodes[at_limit]] = (force / np.maximum(area, 1e-300))[at_limit, None] * tangent[at_limit]
+        of_area = 1.0 - rise * push / np.maximum(limit, 1e-300)  # part of the limit that goes with the area
+        at_limit, spring_only = slides & (of_area != 0.0), ~slides
+        by_limit[nodes[at_limit]] = (of_area * force / np.maximum(area, 1e-300))[at_limit, None] * tangent[at_limit]
         of_spring = (force - state_n[ContactArrays].drag[place]) / np.maximum(beside, 1e-300)
         by_spring[nodes[spring_only]] = of_spring[spring_only, None] * tangent[spring_only]
         by_area = ByArea(touching, part, by_limit), ByArea(edges, np.ones(len(edges)), by_spring)
         depth = None if self._model.analysis == "axisymmetric" else self._model.depth
         return FrictionForces(nodes, tool, tangent, slip, force, on_diagonal, slope, deformed, depth, by_area)
+
+    def _limit_by_pressure(
+        self, t: int, m: FloatArray, mu: FloatArray, push: FloatArray, area: FloatArray, place: IndexArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Return the largest friction of a tool at nodes (n,) [N], and its derivative by their push (n,)."""
+        assert self._factor is not None
+        factor, safe = self._factor[t, place], np.maximum(area, 1e-300)
+        law = self._model.plane_tools[t].friction
+        stress, rise = limit_stress(law, m * factor, mu * factor, push / safe, self._shear_flow[place])
+        return np.where(area > 0.0, stress * area, 0.0), np.where(area > 0.0, rise, 0.0)
 
     def _tangent(
         self, place: IndexArray, limit: FloatArray, stiffness: FloatArray, slides: BoolArray, slope: FloatArray
@@ -264,11 +301,15 @@ class Friction:
         """Keep the friction of a converged state for the next increment."""
         touch = trial[ContactArrays]
         self.lost = 0.0
-        self.lost_at[:] = 0.0
+        self.lost_at[:], self._slid[:] = 0.0, 0.0
         touch.drag[:] = 0.0
         if self.is_needed:
             place, _ = self._places(trial, free[self._contact.nodes])
             friction = self.evaluate(state_n, trial, trial.nodes.displacement, trial.nodes.reaction, free)
-            touch.drag[place] = friction.force
+            touch.drag[place], self._slid[place] = friction.force, np.abs(friction.slip)
             self.lost_at[place] = -0.5 * (state_n[ContactArrays].drag[place] + friction.force) * friction.slip
             self.lost = -0.5 * float((state_n[ContactArrays].drag[place] + friction.force) @ friction.slip)
+
+    def commit(self, state_n: State, trial: State, dt: float) -> None:
+        """Keep how far and how fast nodes have slid in an increment of dt [s]."""
+        self.sliding.advance(state_n, trial, self._slid, dt)

@@ -5,11 +5,13 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any, Self
 
 import numpy as np
 
 from presswork.body.contract import Cells
+from presswork.fields.contact_stress import ContactForces
 from presswork.geometry.pose import ToolPose, start_centre, start_profile, to_tool_frame, turn_vectors
 from presswork.geometry.segments import find_touch
 from presswork.interaction.contract import Constraints, Factors, Forces, Point
@@ -73,7 +75,8 @@ class PlaneTools(TravellingTools):
     def at_rest(self) -> tuple[Arrays, ...]:
         """Return the arrays of tools that have not moved and touch nothing."""
         n_tools = len(self._model.plane_tools)
-        return ToolArrays.at_rest(n_tools), ContactArrays.at_rest(n_tools, len(self.contact.nodes))
+        touching = ContactArrays.at_rest(n_tools, len(self.contact.nodes))
+        return ToolArrays.at_rest(n_tools), touching, *self.friction.sliding.at_rest()
 
     def surface_nodes(self) -> list[IntArray]:
         """Return the candidates for contact."""
@@ -132,7 +135,8 @@ class PlaneTools(TravellingTools):
         self.contact.begin_increment(state_n)
         self.floating.begin_increment()
         if self.friction.is_needed:
-            self.friction.begin_increment(state_n, self._cells.nodal_flow_stress(state_n))
+            flow_stress = self._cells.nodal_flow_stress(state_n)
+            self.friction.begin_increment(state_n, flow_stress, self._cells.nodal_temperature(state_n))
 
     def update(self, trial: State, point: Point, own: Forces | None, *, near: bool, pull: float) -> int:
         """Hold nodes inside tools; near equilibrium release those that pull."""
@@ -237,6 +241,16 @@ class PlaneTools(TravellingTools):
         placed.travel_increment = placed.travel - state_n[ToolArrays].travel
         forces, torques = self.contact.tool_forces(trial, self._supports.fixed(step.stage))
         placed.force = np.column_stack([forces, torques])
+        self.friction.commit(state_n, trial, step.dt)
+
+    def forces(self, state: State, stage: int) -> ContactForces:
+        """Return what each tool does to the nodes that it holds in a stage, with the factors of its friction there."""
+        found = self.contact.forces(state, self._supports.fixed(stage))
+        if not self.friction.has_factors:
+            return found
+        factors = self.friction.find_factors(state, self._cells.nodal_temperature(state))
+        place = np.searchsorted(self.contact.nodes, found.nodes)
+        return replace(found, factor=factors[found.tool, place])
 
     def work(self, state_n: State, trial: State) -> Mapping[str, float]:
         """Return the work of the tools by their own motion, and what friction takes [N mm]."""

@@ -38,8 +38,8 @@ class SheetContact(SpaceContact):
     """The tools in space of a sheet, and its drawbeads; what persists lies in the State."""
 
     def __init__(self, model: Model, cells: ShellMechanics) -> None:
-        super().__init__(model, DEPTH * model.thickest)
-        self._cells = cells
+        super().__init__(model, cells, DEPTH * model.thickest)
+        self._shells = cells
         self._nodes = SheetNodes(model)
         self.beads = SheetBeads(model)
 
@@ -49,12 +49,13 @@ class SheetContact(SpaceContact):
 
     def begin_increment(self, state_n: State) -> None:
         """Take the thickness at the nodes as it is when the increment begins."""
+        super().begin_increment(state_n)
         self._nodes.begin_increment(state_n)
         self.beads.begin_increment(state_n)
         self._law_gap = None
 
     def _look(self, looks: Sequence[Look], x: FloatArray) -> list[Near]:
-        return self._cells.look_near(looks, x)
+        return self._shells.look_near(looks, x)
 
     def predict(self, found: SpaceForces) -> None:
         """Take the law's tangent where a correction asks for it, at the next guess."""
@@ -188,7 +189,7 @@ def sheet_nodes(area: FloatArray, thickness: FloatArray, stiffness: float) -> To
     area: share of the surface (n_points,) [mm2]. thickness: (n_points,) [mm]. stiffness: of contact, per area and
     thickness [MPa].
     """
-    return TouchingNodes(stiffness * area / thickness, 0.5 * thickness, ROUNDING * thickness)
+    return TouchingNodes(stiffness * area / thickness, 0.5 * thickness, ROUNDING * thickness, area)
 
 
 def share_surface(points: FloatArray, connectivity: IntArray, weight: FloatArray | float = 1.0) -> FloatArray:

@@ -34,9 +34,10 @@ from presswork.geometry.rounded_surface import RoundedSurface
 from presswork.geometry.tool_surface import make_surface
 from presswork.interaction.space.floating_space_tools import FloatingSpaceTools
 from presswork.interaction.space.resting import SOFT, RestingBody, find_loose
-from presswork.interaction.space.space_contact import SpaceContact, SpaceForces
-from presswork.interaction.space.space_touch import STEEPEST, TouchingNodes, limit_friction
+from presswork.interaction.space.space_contact import SpaceContact, SpaceForces, Touched
+from presswork.interaction.space.space_touch import STEEPEST, TouchingNodes
 from presswork.interaction.tool_arrays import SpaceToolArrays
+from presswork.law.friction import BY_FLOW_STRESS, SMOOTH
 from presswork.mesh.faces import face_areas, nodal_normals, press_faces, take_bearing
 from presswork.model import FloatArray, IndexArray, IntArray, Model, Tool, Triangulation
 from presswork.state import State
@@ -61,24 +62,26 @@ AT_LIMIT = 1e-9
 ROUNDING = 1e-4
 """Gap, over the same length, below which a node begins to touch."""
 
-Touched = tuple[IndexArray, FloatArray, FloatArray]
-"""Nodes that touch a tool (n,), its normals there (n, 3) and its push on them (n,) [N]."""
+FACING = 0.05
+"""Part of a node's surface that counts as facing a tool at least, where it lands sideways."""
+CONSTANT_SHEAR = ("shear", "coulomb_capped")
+"""Laws of friction whose limit jumps where a node lands."""
 
 
 class SolidContact(SpaceContact):
     """The tools in space of a solid; what persists lies in the State."""
 
     def __init__(self, model: Model, cells: Mechanics, before: SpaceContact | None = None) -> None:
-        super().__init__(model, math.inf, before)
-        self._cells = cells
+        super().__init__(model, cells, math.inf, before)
+        self._solids = cells
         self._young = max(material.young for material in model.materials)
-        self._needs_shear = any(t.friction.law in ("shear", "coulomb_capped") for t in model.space_tools)
+        self._needs_shear = any(t.friction.law in BY_FLOW_STRESS for t in model.space_tools)
         n = len(model.mesh.points)
         faces = model.mesh.boundary_faces
         outer = np.unique(take_bearing(faces))
         self._inside = np.ones(n, dtype=bool)
         self._inside[outer] = False
-        self._length = np.ones(n)
+        self._length, self._surface = np.ones(n), np.zeros((n, 3))
         self._sticking = [t for t, tool in enumerate(model.space_tools) if tool.friction.law == "sticking"]
         self._shear_flow, self._n_guesses, self._n_renewals = np.zeros(n), 0, 0
         self._latest: tuple[FloatArray, Sequence[Touched]] = (np.zeros((n, 3)), [])
@@ -106,13 +109,15 @@ class SolidContact(SpaceContact):
         return RoundedSurface(make_surface(shape, depth), spacing, fold)
 
     def _look(self, looks: Sequence[Look], x: FloatArray) -> list[Near]:
-        return self._cells.look_near(looks, x)
+        return self._solids.look_near(looks, x)
 
     def begin_increment(self, state_n: State) -> None:
         """Take surface, shear flow stress and multipliers as they are when the increment begins."""
+        super().begin_increment(state_n)
         places = self._model.mesh.points + state_n.nodes.moved
         faces = self._model.mesh.boundary_faces
-        resultant = np.linalg.norm(nodal_normals(places, faces), axis=1)
+        self._surface = nodal_normals(places, faces)
+        resultant = np.linalg.norm(self._surface, axis=1)
         whole = np.bincount(faces.ravel(), face_areas(places, faces).ravel(), minlength=len(places))
         area = np.where(resultant < FOLDED * whole, whole, resultant)
         self._length = np.where(self._inside, 1.0, np.sqrt(area))
@@ -127,7 +132,7 @@ class SolidContact(SpaceContact):
                 seen, along = self._look([(surface.nearest, math.inf)], places)[0] if far else (gap, out)
                 self._resting.take(t, np.where(self._inside, np.inf, seen), along, self._length)
         if self._needs_shear:
-            self._shear_flow, self._n_guesses = self._cells.nodal_flow_stress(state_n) / np.sqrt(3.0), 0
+            self._shear_flow, self._n_guesses = self._solids.nodal_flow_stress(state_n) / np.sqrt(3.0), 0
             self._n_renewals = 0
 
     def limit_by_shear(self, x: FloatArray, touched: Sequence[Touched]) -> Sequence[FloatArray | None]:
@@ -137,7 +142,8 @@ class SolidContact(SpaceContact):
         that lands on a sticking tool sticks from the next increment on. Where a node is pressed on by less than a part
         of its shear, its faces count in proportion: area that jumped with a node that hardly touches would never
         converge. After some guesses the faces and their parts stay, so that an iteration converges on them; in
-        equilibrium they are looked at again (augment).
+        equilibrium they are looked at again (augment). Laws that rise smoothly from none take all of the surface that
+        faces the tool at the start of the increment.
         """
         found: list[FloatArray | None] = [None] * len(touched)
         if self._needs_shear:
@@ -147,10 +153,24 @@ class SolidContact(SpaceContact):
             self._n_guesses += 1
             covered = nodal_normals(x, *self._covered)
             for t, (nodes, out, _) in enumerate(touched):
-                found[t] = self._shear_flow[nodes] * _project(covered[nodes], out)
+                area = _project(covered[nodes], out)
+                if self._model.space_tools[t].friction.law in SMOOTH:
+                    area = self._find_facing(nodes, out)
+                found[t] = self._shear_flow[nodes] * area
         for t in self._sticking:
             found[t] = np.where(self._lay[t, touched[t][0]], np.inf, 0.0)
         return found
+
+    def _find_area(self, t: int, touched: Touched, shear: FloatArray | None) -> FloatArray:
+        """Return the area over which each node is pressed: what is covered where it jumps as a node lands."""
+        nodes, out, _ = touched
+        if shear is not None and self._model.space_tools[t].friction.law in CONSTANT_SHEAR:
+            return shear / np.maximum(self._shear_flow[nodes], 1e-300)
+        return self._find_facing(nodes, out)
+
+    def _find_facing(self, nodes: IndexArray, out: FloatArray) -> FloatArray:
+        """Return how much of the surface of nodes (n,) faces tools of these normals (n, 3) as an increment begins."""
+        return np.maximum(_project(self._surface[nodes], out), FACING * self._length[nodes] ** 2)
 
     def _cover(self, x: FloatArray, touched: Sequence[Touched]) -> tuple[IntArray, FloatArray]:
         """Return the faces that lie on tools at a guess (n, k), and the part of each that counts (n,)."""
@@ -160,7 +180,8 @@ class SolidContact(SpaceContact):
         faces = faces[lies[take_bearing(faces)].all(axis=1)]
         covered = nodal_normals(x, faces)
         for tool, (nodes, out, push) in zip(self._model.space_tools, touched, strict=True):
-            shear = float(tool.friction.m) * self._shear_flow[nodes] * _project(covered[nodes], out)
+            constant = float(tool.friction.m) if tool.friction.law in CONSTANT_SHEAR else 0.0
+            shear = constant * self._shear_flow[nodes] * _project(covered[nodes], out)
             part[nodes] = np.maximum(part[nodes], np.minimum(1.0, STEEPEST * push / np.maximum(shear, 1e-300)))
         return faces, part[take_bearing(faces)].min(axis=1)
 
@@ -168,7 +189,7 @@ class SolidContact(SpaceContact):
         """Return what the contact with a tool must know of the nodes; those inside the body touch nothing."""
         spring = self._young * self._length
         reach = np.where(self._inside, -np.inf, self._multiplier[tool] / spring)
-        return TouchingNodes(spring, reach, ROUNDING * self._length)
+        return TouchingNodes(spring, reach, ROUNDING * self._length, self._length**2)
 
     def evaluate(
         self, state_n: State, trial: State, displacement: FloatArray, stage: int = 0, fraction: float = 0.0
@@ -213,11 +234,9 @@ class SolidContact(SpaceContact):
             # the part of the node's surface that faces the tool: at an edge the other side has no contact
             faced = _project(normals[nodes], out)
             area[t, nodes] = np.where(faced > 0.0, faced, np.inf)
-        for t, (tool, shear) in enumerate(
-            zip(self._model.space_tools, self.limit_by_shear(places, touched), strict=True)
-        ):
+        for t, shear in enumerate(self.limit_by_shear(places, touched)):
             nodes = touched[t][0]
-            limits[t, nodes] = limit_friction(tool.friction, push[t, nodes], shear)[0]
+            limits[t, nodes] = self.friction_on(t, touched[t], shear).limit(push[t, nodes])[0]
         traction = {t.name: placed.force[i] / area[i, :, None] for i, t in enumerate(self._model.space_tools)}
         gap = self.find_gaps(state, places).min(axis=0)
         touches, rough = push.max(axis=0) > 0.0, drag.max(axis=0) > 0.0
@@ -239,7 +258,7 @@ class SolidContact(SpaceContact):
         gives back what is left. Iterate on, too, where the area that shears is no longer that of the faces that touch.
         """
         renewed = self._renew_cover()
-        if self._cells.answers_elastically:
+        if self._solids.answers_elastically:
             return renewed
         push = np.linalg.norm(own.by_tool - own.friction, axis=2)
         change = np.abs(push - self._multiplier)
@@ -260,12 +279,14 @@ class SolidContact(SpaceContact):
             return super().find_area_blocks(x, own)
         by_place = press_faces(x, faces, 1.0)[1]  # of area vectors, by the places of nodes
         covered, blocks = nodal_normals(x, faces, part), np.zeros_like(by_place)
-        for tool, by_tool, friction in zip(self._model.space_tools, own.by_tool, own.friction, strict=True):
-            if tool.friction.law not in ("shear", "coulomb_capped"):
+        pairs_of = zip(self._model.space_tools, own.by_tool, own.friction, strict=True)
+        for t, (tool, by_tool, friction) in enumerate(pairs_of):
+            if tool.friction.law not in CONSTANT_SHEAR:
                 continue
             push, size = (np.linalg.norm(f, axis=1, keepdims=True) for f in (by_tool - friction, friction))
             out, along = (f / np.maximum(s, 1e-300) for f, s in ((by_tool - friction, push), (friction, size)))
-            shear = float(tool.friction.m) * self._shear_flow[:, None]
+            factor = 1.0 if self._factor is None else self._factor[t, :, None]
+            shear = factor * float(tool.friction.m) * self._shear_flow[:, None]
             limit = shear * _project(covered, out)[:, None]
             along = np.where((size > 0.0) & (size >= (1.0 - AT_LIMIT) * limit), along, 0.0)
             by_area = np.einsum("fai,fabij->fabj", (shear * out)[faces], by_place)

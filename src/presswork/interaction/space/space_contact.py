@@ -9,13 +9,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from presswork import _core
-from presswork.body.contract import Look, Near
+from presswork.body.contract import Cells, Look, Near
 from presswork.geometry.pose import find_axis, find_space_pose, turn_about
 from presswork.geometry.rounded_surface import RoundedSurface
 from presswork.geometry.tool_surface import make_surface
 from presswork.interaction.contract import Forces
+from presswork.interaction.sliding import Sliding
 from presswork.interaction.space.drawbeads import BeadForces
 from presswork.interaction.space.space_touch import (
+    FrictionOfNodes,
     PlacedSurface,
     TouchingNodes,
     choose_touched,
@@ -28,6 +30,9 @@ from presswork.state import Arrays, State
 
 LIES = 200.0
 """Gap over the rounding of contact within which a node lies on a tool."""
+
+Touched = tuple[IndexArray, FloatArray, FloatArray]
+"""Nodes that touch a tool (n,), its normals there (n, 3) and its push on them (n,) [N]."""
 
 
 @dataclass(frozen=True)
@@ -51,8 +56,8 @@ class SpaceForces(Forces):
 class SpaceContact:
     """The tools in space of one run; what persists lies in the State."""
 
-    def __init__(self, model: Model, depth: float, before: SpaceContact | None = None) -> None:
-        """Take the tools of a model.
+    def __init__(self, model: Model, cells: Cells, depth: float, before: SpaceContact | None = None) -> None:
+        """Take the tools of a model, and the cells that touch them.
 
         depth: that a node of a guess may lie in a tool and be found [mm]. before: the same tools of the run on the mesh
         before, whose surfaces are taken over.
@@ -62,13 +67,17 @@ class SpaceContact:
             before._surfaces if before else [self._make_surface(tool, depth) for tool in model.space_tools]
         )
         self._law_gap: FloatArray | None = None
+        self._cells = cells
+        self.sliding = Sliding(model.space_tools, len(model.mesh.points))
+        self._factor: FloatArray | None = None
 
     def _make_surface(self, tool: Tool, depth: float) -> _core.ToolSurface | RoundedSurface:
         return make_surface(tool.surface, depth, smooth=True)
 
     def at_rest(self) -> tuple[Arrays, ...]:
         """Return the arrays of tools that have not moved and touch nothing."""
-        return (SpaceToolArrays.at_rest(len(self._model.space_tools), len(self._model.mesh.points)),)
+        placed = SpaceToolArrays.at_rest(len(self._model.space_tools), len(self._model.mesh.points))
+        return placed, *self.sliding.at_rest()
 
     def placed(self, t: int, arrays: SpaceToolArrays) -> PlacedSurface:
         """Return the surface of a tool where it stands."""
@@ -102,6 +111,8 @@ class SpaceContact:
 
     def begin_increment(self, state_n: State) -> None:
         """Take what belongs to the nodes as it is when the increment begins."""
+        if self.sliding.is_needed or self.sliding.needs_temperature:
+            self._factor = self.sliding.find_factors(state_n, self._cells.nodal_temperature(state_n))
 
     def touching(self, tool: int) -> TouchingNodes:
         """Return what the contact with a tool must know of the nodes."""
@@ -111,9 +122,7 @@ class SpaceContact:
         """Return what each look finds of the nodes at x (n_points, 3) [mm]."""
         return [nearest(x, reach) for nearest, reach in looks]
 
-    def limit_by_shear(
-        self, x: FloatArray, touched: Sequence[tuple[IndexArray, FloatArray, FloatArray]]
-    ) -> Sequence[FloatArray | None]:
+    def limit_by_shear(self, x: FloatArray, touched: Sequence[Touched]) -> Sequence[FloatArray | None]:
         """Return the largest friction on nodes of each tool whatever the push (n,) [N]; None: no law asks for it.
 
         Shear flow stress times area; on a sticking tool infinite for nodes that stick, 0 for those that land.
@@ -121,6 +130,16 @@ class SpaceContact:
         (n, 3) and its push on them (n,) [N].
         """
         return [None] * len(touched)
+
+    def friction_on(self, t: int, touched: Touched, shear: FloatArray | None) -> FrictionOfNodes:
+        """Return what the friction of a tool asks of nodes that touch it; shear: as limit_by_shear has it (n,) [N]."""
+        law = self._model.space_tools[t].friction
+        factor = None if self._factor is None else self._factor[t, touched[0]]
+        return FrictionOfNodes(law, self._find_area(t, touched, shear), shear, factor)
+
+    def _find_area(self, t: int, touched: Touched, shear: FloatArray | None) -> FloatArray:
+        """Return the area over which each node that touches a tool is pressed (n,) [mm2]."""
+        return self.touching(t).area[touched[0]]
 
     def touch_all(self, state_n: State, trial: State, displacement: FloatArray) -> SpaceForces:
         """Return the forces of the tools at a guess; they stand where the trial state has them."""
@@ -139,9 +158,11 @@ class SpaceContact:
             choose_touched(near, touching[t], None if before is None else before[t]) for t, near in enumerate(seen)
         ]
         law_gap = np.full((len(tools), n), np.inf)
-        shear = self.limit_by_shear(x, [(own.nodes, own.normal, own.push) for own in touched])
-        for t, (tool, slip) in enumerate(zip(tools, self.slips(state_n, trial, displacement), strict=True)):
-            found = touch_tool(surfaces[t], tool.friction, touched[t], x, slip, friction_n[t], shear[t])
+        pressed = [(own.nodes, own.normal, own.push) for own in touched]
+        shear = self.limit_by_shear(x, pressed)
+        for t, slip in enumerate(self.slips(state_n, trial, displacement)):
+            law = self.friction_on(t, pressed[t], shear[t])
+            found = touch_tool(surfaces[t], law, touched[t], x, slip, friction_n[t])
             by_tool[t, found.nodes], friction[t, found.nodes] = found.force, found.friction
             law_gap[t, found.nodes] = touched[t].law_gap
             block = np.zeros((len(found.nodes), freedoms, freedoms))
@@ -195,6 +216,14 @@ class SpaceContact:
         """Keep what an increment has found."""
         kept = trial[SpaceToolArrays]
         kept.force, kept.friction, kept.energy = found.by_tool, found.friction, found.energy
+
+    def commit(self, state_n: State, trial: State, dt: float) -> None:
+        """Keep how far and how fast nodes have slid in an increment of dt [s]."""
+        if self.sliding.is_needed:
+            placed = trial[SpaceToolArrays]
+            touches = np.linalg.norm(placed.force, axis=2) > 0.0
+            slip = np.linalg.norm(self._slips(state_n, trial), axis=2)
+            self.sliding.advance(state_n, trial, np.where(touches, slip, 0.0).max(axis=0, initial=0.0), dt)
 
     def touched(self, state: State) -> FloatArray:
         """Return the forces of the tools on the nodes where they stand in a state (n_tools, n_points, 3) [N]."""

@@ -192,6 +192,7 @@ class SpaceTools(TravellingTools):
         """Keep the travel of the increment."""
         placed = trial[SpaceToolArrays]
         placed.travel_increment = placed.travel - state_n[SpaceToolArrays].travel
+        self.contact.commit(state_n, trial, step.dt)
 
     def stop(self, state: State, stage: int, fraction: float) -> None:
         """Let the tools rest where they are at a fraction of a stage's travel: later stages count from its end."""

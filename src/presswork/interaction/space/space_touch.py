@@ -21,12 +21,18 @@ from presswork import _core
 from presswork.body.contract import Near
 from presswork.geometry.pose import SpacePose
 from presswork.geometry.rounded_surface import RoundedSurface
+from presswork.law.friction import is_plain, limit_stress
 from presswork.model import FloatArray, Friction, IndexArray
 
 TANGENTIAL = 0.1
 """Tangential stiffness that holds a sticking node over the stiffness of contact."""
 STEEPEST = 5.0
 """Largest friction of a node over its normal force, where the law has more: a node that hardly touches is not held."""
+
+LEAST_AREA = 1e-12
+"""Area that is none [mm2]."""
+BY_FACTOR = ("shear", "wanheim_bay", "levanov")
+"""Laws of friction by a friction factor alone."""
 
 
 @dataclass(frozen=True)
@@ -54,6 +60,8 @@ class TouchingNodes:
     """Distance from the tool below which it pushes (n_points,) [mm]."""
     rounding: FloatArray
     """Distance over which that begins (n_points,) [mm]."""
+    area: FloatArray
+    """Share of the surface (n_points,) [mm2]."""
 
     @property
     def farthest(self) -> float:
@@ -151,32 +159,57 @@ def choose_touched(near: Near, touching: TouchingNodes, before: FloatArray | Non
     return TouchedNodes(nodes, beyond, normal[nodes], k, delta, law_gap)
 
 
+@dataclass(frozen=True)
+class FrictionOfNodes:
+    """What a law of friction asks of the nodes that touch a tool, n."""
+
+    law: Friction
+    area: FloatArray
+    """Area over which each is pressed (n,) [mm2]."""
+    shear: FloatArray | None = None
+    """Largest friction whatever the push, for a factor of one, and on tools on which nodes stick (n,) [N]."""
+    factor: FloatArray | None = None
+    """Of m and mu, by speed, path and temperature (n,); None: one."""
+
+    def limit(self, push: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the largest friction (n,) [N] at normal forces `push` (n,) [N], and its derivative by these."""
+        if is_plain(self.law):
+            return limit_friction(self.law, push, self.shear)
+        factor = np.ones_like(push) if self.factor is None else self.factor
+        area = np.maximum(self.area, LEAST_AREA)
+        shear_flow = np.full_like(push, math.inf) if self.shear is None else self.shear / area
+        m, mu = float(self.law.m) * factor, float(self.law.mu) * factor
+        stress, rise = limit_stress(self.law, m, mu, push / area, shear_flow)
+        limit = np.where(self.area > 0.0, stress * area, 0.0)
+        if self.law.law == "shear":
+            return np.minimum(limit, STEEPEST * push), np.zeros_like(push)
+        return limit, np.where(self.area > 0.0, rise, 0.0)
+
+
 def touch_tool(
     surface: PlacedSurface,
-    law: Friction,
+    law: FrictionOfNodes,
     touched: TouchedNodes,
     x: FloatArray,
     slip: FloatArray,
     friction_n: FloatArray,
-    shear: FloatArray | None = None,
 ) -> NodesOnTool:
     """Return the forces of a tool on the nodes that touch it.
 
     x: places of all nodes (n_points, 3) [mm]. slip: of the nodes along with the increment, less that of the tool
     (n_points, 3) [mm]. friction_n: their friction when the increment began, turned with the tool (n_points, 3) [N].
-    shear: largest friction on those touched whatever the push (n,) [N], which laws with a friction factor ask for.
     """
     nodes, n, energy = touched.nodes, touched.normal, touched.energy
     rise, bend = surface.slopes(x[nodes])
     # 1. normal force
     push, slope = touched.push, touched.slope
     force, stiffness = _core.push_nodes(push, slope, n, rise, bend)
-    if is_frictionless(law):
+    if is_frictionless(law.law):
         return NodesOnTool(nodes, force, np.zeros_like(force), stiffness, energy)
     # 2. friction
     hanging = TANGENTIAL * touched.spring
     pulled = friction_n[nodes] - hanging[:, None] * slip[nodes]
-    limit, by_push = limit_friction(law, push, shear)
+    limit, by_push = law.limit(push)
     friction = _core.rub_nodes(
         push, slope, n, rise, bend, hanging=hanging, pulled=pulled, limit=limit, by_push=by_push, tangent=stiffness
     )
@@ -187,7 +220,7 @@ def is_frictionless(law: Friction) -> bool:
     """Return whether a tool lets nodes slide freely."""
     if law.law == "coulomb":
         return float(law.mu) == 0.0
-    return law.law == "frictionless" or (law.law == "shear" and float(law.m) == 0.0)
+    return law.law == "frictionless" or (law.law in BY_FACTOR and float(law.m) == 0.0)
 
 
 def limit_friction(law: Friction, push: FloatArray, shear: FloatArray | None) -> tuple[FloatArray, FloatArray]:

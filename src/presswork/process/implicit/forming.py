@@ -205,7 +205,7 @@ class ImplicitForming(IncrementRun):
         """Return what the fields of the converged state are computed from."""
         procedure = self.procedure
         state, interactions = procedure.state, procedure.interactions
-        forces = interactions.tools.contact.forces(state, interactions.supports.fixed(self.current_stage()))
+        forces = interactions.tools.forces(state, self.current_stage())
         between = interactions.bodies.traction(state)
         now = procedure.mechanics.show(state, forces, between)
         if procedure.heat is not None:
