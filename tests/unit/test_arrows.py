@@ -57,7 +57,7 @@ PYTHON_ROOMS = {
     "fields": {"evolution", "formability", "law", "mesh", "model"},
     "results": {"fields", "formability", "geometry", "model", "text_file"},
     "body": {"evolution", "fields", "law", "mesh", "model", "outcome", "ranks", "state", "timing"},
-    "interaction": {"body", "evolution", "fields", "geometry", "mesh", "model", "outcome", "state"},
+    "interaction": {"body", "evolution", "fields", "geometry", "law", "mesh", "model", "outcome", "state"},
     "implicit": {
         "body",
         "evolution",

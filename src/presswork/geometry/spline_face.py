@@ -72,7 +72,7 @@ def _make_knots(low: float, high: float, count: int) -> FloatArray:
 
 def _fit(points: FloatArray, parameters: FloatArray, knots: tuple[FloatArray, FloatArray]) -> SplineFace:
     n_u, n_v = (len(each) - DEGREE - 1 for each in knots)
-    design = _design(*parameters.T, knots)
+    design = _design(parameters[:, 0], parameters[:, 1], knots)
     bend_u, bend_v = (_second_differences(n) for n in (n_u, n_v))
     smooth = sparse.kron(bend_u, sparse.identity(n_v)) + sparse.kron(sparse.identity(n_u), bend_v)
     rhs = design.T @ points

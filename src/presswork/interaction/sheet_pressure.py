@@ -103,8 +103,8 @@ class SheetPressures(Interaction):
 
     def at_rest(self) -> tuple[Arrays, ...]:
         """Return no pressure."""
-        n = len(self._pressed)
-        wet = np.array([seal.at_rest() for seal in self._seals.values()]).reshape(len(self._seals), -1)
+        n, sealed = len(self._pressed), [seal.at_rest() for seal in self._seals.values()]
+        wet = np.array(sealed).reshape(len(sealed), len(self._model.cells))
         return (PressureArrays(np.zeros(n), np.zeros(n), np.full(n, -1.0), wet),)
 
     def evaluate(self, state_n: State, trial: State, guess: Guess) -> PressureForces:
