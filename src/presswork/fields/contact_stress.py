@@ -58,7 +58,7 @@ class ContactForces:
     gap: FloatArray
     """Distance of every node from the nearest tool (n_points,) [mm]; NaN inside the body and where there is none."""
     factor: FloatArray | None = None
-    """Of m and mu, by speed, path and temperature (n,); None: one."""
+    """Factor on m and mu, by speed, path and temperature (n,); None: one."""
 
 
 @dataclass(frozen=True)

@@ -20,14 +20,14 @@ from presswork.state import SURFACE, Arrays, OnNewMesh, State
 
 @dataclass
 class SlidingArrays(Arrays):
-    """Of nodes that tools may touch: the candidates in the plane, all nodes in space."""
+    """Paths and speeds of nodes that tools may touch: the candidates in the plane, all nodes in space."""
 
     owner = "sliding"
     on_new_mesh: ClassVar[Mapping[str, OnNewMesh]] = {"path": SURFACE, "speed": SURFACE}
     path: FloatArray
     """Slid on tools so far (n,) [mm]."""
     speed: FloatArray
-    """Of sliding in the last increment (n,) [mm/s]."""
+    """Speed of sliding in the last increment (n,) [mm/s]."""
 
 
 class Sliding:

@@ -72,13 +72,13 @@ class FrictionFactors:
     """What m and mu of a tool are multiplied by: rows of a quantity and its factor (n, 2), the quantity ascending."""
 
     pressure: FloatArray | None = None
-    """By the contact pressure [MPa]."""
+    """Rows of the contact pressure [MPa]."""
     speed: FloatArray | None = None
-    """By the speed of sliding [mm/s]."""
+    """Rows of the speed of sliding [mm/s]."""
     temperature: FloatArray | None = None
-    """By the temperature of the workpiece at the surface [degrees C]."""
+    """Rows of the temperature of the workpiece at the surface [degrees C]."""
     path: FloatArray | None = None
-    """By the path that the surface of the workpiece has slid on tools [mm]."""
+    """Rows of the path that the surface of the workpiece has slid on tools [mm]."""
     exponent: float = 1.0
     """Another factor, (p / reference)^(exponent - 1)."""
     reference: float = 1.0

@@ -17,7 +17,7 @@ from presswork.case.part import Part
 from presswork.case.units import LENGTH, PURE_NUMBER, STRESS, VELOCITY, Number, Stress, fault, to_number
 
 LARGEST_FACTOR = 100.0
-"""By which no friction changes."""
+"""Factor by which no friction changes."""
 
 
 def _to_factors(value: object, argument: Callable[[object], float], lowest: float | None) -> Rows:

@@ -169,7 +169,7 @@ class FrictionOfNodes:
     shear: FloatArray | None = None
     """Largest friction whatever the push, for a factor of one, and on tools on which nodes stick (n,) [N]."""
     factor: FloatArray | None = None
-    """Of m and mu, by speed, path and temperature (n,); None: one."""
+    """Factor on m and mu, by speed, path and temperature (n,); None: one."""
 
     def limit(self, push: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the largest friction (n,) [N] at normal forces `push` (n,) [N], and its derivative by these."""
