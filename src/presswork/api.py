@@ -161,12 +161,16 @@ def check(case: AnyCase) -> Checked:
         note = "not opened: the libraries of its materials, whose code would run; --run-user-code tries them"
         return Checked(f"{words}\n{note}", "")
     from presswork.process.begin import check_start
-    from presswork.process.pace import estimate_seconds
 
     try:
-        seconds = estimate_seconds(check_start(model))
+        run = check_start(model)
     except StartError as error:
         return Checked(words, str(error))
+    if model.explicit is None:
+        return Checked(words, "")
+    from presswork.process.pace import estimate_seconds
+
+    seconds = estimate_seconds(run)
     if seconds is not None:
         besides = "" if model.remeshing is None and model.separation is None else ", without new meshes"
         words += (

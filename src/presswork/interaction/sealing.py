@@ -12,8 +12,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
+import scipy
 
 from presswork.mesh.pressed_cells import find_area_vectors
 from presswork.model import BoolArray, FloatArray, IndexArray, IntArray
@@ -97,17 +96,17 @@ class Seal:
     def _flood(self, is_open: BoolArray) -> BoolArray:
         """Return the open cells that are joined to the first ones, with these (n,)."""
         is_open = is_open | self._start
-        _, label = connected_components(self._join(is_open), directed=False)
+        _, label = scipy.sparse.csgraph.connected_components(self._join(is_open), directed=False)
         return np.asarray(is_open & np.isin(label, np.unique(label[self._start])))
 
     def _part(self, chosen: BoolArray) -> Iterable[IndexArray]:
         """Yield the numbers of the cells of each connected part of those chosen."""
-        _, label = connected_components(self._join(chosen), directed=False)
+        _, label = scipy.sparse.csgraph.connected_components(self._join(chosen), directed=False)
         for each in np.unique(label[chosen]):
             yield np.flatnonzero(chosen & (label == each))
 
-    def _join(self, chosen: BoolArray) -> coo_array:
+    def _join(self, chosen: BoolArray) -> scipy.sparse.coo_array:
         """Return the graph of the edges between chosen cells."""
         own = self._pairs[chosen[self._pairs].all(axis=1)]
         n = len(self._cells)
-        return coo_array((np.ones(len(own)), (own[:, 0], own[:, 1])), shape=(n, n))
+        return scipy.sparse.coo_array((np.ones(len(own)), (own[:, 0], own[:, 1])), shape=(n, n))
