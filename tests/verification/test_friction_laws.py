@@ -242,6 +242,16 @@ def test_bad_factors_are_refused(friction: dict[str, Any], key: str, words: str)
     assert any(f"tools.die.{key}" in problem.key for problem in refused.value.problems)
 
 
+@pytest.mark.parametrize("law", ["shear", "wanheim_bay", "levanov"])
+@pytest.mark.parametrize("in_space", [False, True], ids=["plane", "space"])
+def test_friction_by_the_flow_stress_of_an_elastic_block_is_refused(law: str, in_space: bool) -> None:
+    case = describe_slide(None, in_space=in_space)
+    del case["materials"]["steel"]["hardening"], case["tools"]["die"]["mu"]
+    case["tools"]["die"] |= {"contact": law, "m": 0.3}
+    with pytest.raises(CaseError, match="it has no hardening"):
+        build_model((SpaceCase if in_space else Case).model_validate(case))
+
+
 def test_factors_without_friction_and_in_explicit_runs_are_refused() -> None:
     case = describe_slide({"exponent": 0.9, "reference_pressure": 4})
     case["tools"]["die"] |= {"contact": "sticking"}

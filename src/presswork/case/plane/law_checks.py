@@ -16,6 +16,8 @@ from presswork.case.settings import Solver
 if TYPE_CHECKING:
     from presswork.case.space.schema import SpaceCase
 
+FRICTION_OF_FLOW = ("shear", "wanheim_bay", "levanov")
+"""Laws of friction by the flow stress alone."""
 PORE_HARDENING = ("linear", "swift", "ludwik", "voce", "linear_voce", "hockett_sherby", "swift_voce")
 """Hardening laws of a metal with pores: formulas of at most six parameters."""
 BESIDE = (
@@ -60,7 +62,7 @@ def check_friction_of_elastic(case: schema.Case | SpaceCase) -> list[Problem]:
     return [
         Problem(f"tools.{tool}.contact", fault, remedy, entry.contact)
         for tool, entry in case.tools.items()
-        if entry.contact == "shear" and entry.m > 0.0
+        if entry.contact in FRICTION_OF_FLOW and entry.m > 0.0
     ]
 
 
