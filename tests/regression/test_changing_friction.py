@@ -4,10 +4,12 @@
 from __future__ import annotations
 
 import copy
+import json
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pytest
 
 from presswork.case import StampingCase, build_model
 from presswork.interaction.sliding import SlidingArrays
@@ -65,3 +67,23 @@ def test_sheet_is_drawn_with_less_force_where_friction_falls(tmp_path: Path) -> 
     half = draw(tmp_path / "half", {"pressure": [[0, 0.5], [1e4, 0.5]]})
     falls = draw(tmp_path / "falls", {"exponent": 0.95, "reference_pressure": 0.01, "speed": [[0, 1], [1e4, 0.9]]})
     assert half < falls < draw(tmp_path / "constant", None)
+
+
+@pytest.mark.parametrize(
+    ("table", "words"),
+    [
+        ({"pressure": [[0, 1], ["1 GPa", 0.5]]}, []),
+        ({"pressure": [[0, 1], [4e8, 0.5]]}, ["friction.pressure changes nothing"]),
+        ({"pressure": [[0, 1], [1, 0.5]]}, ["friction.pressure ends at 1 MPa"]),
+        ({"pressure": [[0, 1], [400, 0.5], [500, 0.5]]}, []),
+        ({"path": [[0, 1], [0.01, 0.5]]}, ["friction.path ends at 0.01 mm"]),
+        ({"speed": [[0, 1], [1e5, 0.5]]}, ["friction.speed changes nothing"]),
+    ],
+)
+def test_tables_that_a_run_leaves_are_warned_of(tmp_path: Path, table: dict[str, Any], words: list[str]) -> None:
+    contact = {"contact": "coulomb", "mu": 0.05, "friction": table}
+    run_to_end(build_model(upsetting(1.0, contact=contact)), tmp_path / "out")
+    warned = json.loads((tmp_path / "out" / "summary.json").read_text())["warnings"]
+    about = [text for text in warned if "friction." in text]
+    assert len(about) == len(words), about
+    assert all(word in text for word, text in zip(words, about, strict=True))

@@ -9,6 +9,7 @@ from presswork.observe.damage import DamagePeaks
 from presswork.observe.die_fill import make_die_fill
 from presswork.observe.draw_in import DrawIn
 from presswork.observe.formability import FormabilityObserver
+from presswork.observe.friction_tables import FrictionTables
 from presswork.observe.heat import HeatOfBodies, HeatOfSheets
 from presswork.observe.law_windows import LawWindows
 from presswork.observe.loose_bodies import LooseBodies
@@ -48,5 +49,6 @@ def list_observers(model: Model) -> Observers:
             SlippingRolls(model),
             WeldLines(model),
             WearOfTools(model),
+            FrictionTables(model),
         ]
     )
