@@ -26,7 +26,7 @@ UNITS = {"pressure": "MPa", "speed": "mm/s", "temperature": "degrees C", "path":
 class FrictionTables(Observer):
     """Follows the least and the largest pressure, speed, temperature and path under tools with tables of friction.
 
-    Of sheets it knows speed and path alone.
+    In sheets only speed and path are followed.
     """
 
     def __init__(self, model: Model) -> None:
