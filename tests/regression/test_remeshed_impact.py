@@ -149,8 +149,8 @@ def test_a_row_that_fails_is_computed_again_on_a_new_mesh(monkeypatch):
     """A cell turns inside out after the row's cycles: its beginning gets a new mesh, and the run goes on."""
     real, calls = ExplicitForming._compute_cycles, []
 
-    def fail_once(recording, number, row):
-        found = real(recording, number, row)
+    def fail_once(recording, number, row, part=(0, 1)):
+        found = real(recording, number, row, part)
         calls.append(recording.solids.time)
         if len(calls) == 30:
             raise ExplicitError("cell 7 is turned inside out in cycle 99: shorten the step")
@@ -163,6 +163,30 @@ def test_a_row_that_fails_is_computed_again_on_a_new_mesh(monkeypatch):
     assert calls[30] == pytest.approx(calls[29], rel=1e-9)
     assert recording.remaining() == 0.0
     assert abs(recording.solids.energies().error_percent) < 0.5
+
+
+def test_a_row_that_fails_on_one_mesh_is_computed_on_several(monkeypatch, remeshed):
+    """Row 30 fails unless it is divided by four: time, force and shape of what follows are those of the whole run."""
+    real = ExplicitForming._compute_cycles
+
+    def fail_long(recording, number, row, part=(0, 1)):
+        found = real(recording, number, row, part)
+        if row == 29 and part[1] < 4:
+            raise ExplicitError("cell 7 is turned inside out in cycle 99: shorten the step")
+        return found
+
+    monkeypatch.setattr(ExplicitForming, "_compute_cycles", fail_long)
+    recording = begin(build_model(upsetting(remesh={})), 1)
+    rows, notes = [], []
+    for report in recording.advance():
+        notes += recording.log_lines(report)
+        rows.append(recording.row(report))
+    assert any("row 30 took 4 meshes" in line for line in notes)
+    history = read_history(remeshed / "history.csv")
+    assert [row["time"] for row in rows] == pytest.approx(history["time"], rel=1e-12)
+    for row in (28, 29, 30, 60):
+        assert rows[row]["punch.force"] == pytest.approx(history["punch.force"][row], rel=0.03)
+    assert rows[-1]["x_max"] == pytest.approx(history["x_max"][-1], rel=0.003)
 
 
 def test_triangles_become_quadrilaterals_with_the_same_force():
@@ -233,8 +257,8 @@ def test_a_hot_run_resumed_between_meshes_gives_the_same_bits(tmp_path):
 def test_without_keys_the_first_mesh_stays_until_a_row_fails(monkeypatch):
     real, calls = ExplicitForming._compute_cycles, []
 
-    def fail_once(recording, number, row):
-        found = real(recording, number, row)
+    def fail_once(recording, number, row, part=(0, 1)):
+        found = real(recording, number, row, part)
         calls.append(row)
         if len(calls) == 30:
             raise ExplicitError("cell 7 is turned inside out in cycle 99: shorten the step")

@@ -1,8 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """Pressures on a sheet in the history: the pressure, the volume that the sheet has swept, and the pole of the bulge.
 
-The pole is the node under the pressure that has moved farthest along its first normal. The radius of curvature there is
-that of the sphere with the least squares of distance to the nodes round it.
+The pole is the node under the pressure that has moved farthest along its first normal. Round it the surface is fitted
+by a sphere and a term of the fourth power of the distance r from the normal, c and R with the least squares of
+
+    x . x = 2 c . x + d + e r^4,        R^2 = d + c . c,
+
+since a pole near its instability is more curved than the sheet round it. R is the radius of curvature at the pole.
 """
 
 from __future__ import annotations
@@ -18,9 +22,9 @@ from presswork.observe.contract import History, Observed, Observer, Row
 
 QUANTITIES = ("p", "volume", "height", "radius", "thickness", "contact")
 RATE, LEAK = "strain_rate", "leak"
-FITTED = 0.25
-"""Distance round the pole over which the sphere is fitted, over the radius of a circle as large as the pressed part."""
-FITTED_EDGES = 2.5
+FITTED = 0.35
+"""Distance round the pole over which the surface is fitted, over the radius of a circle as large as what is pressed."""
+FITTED_EDGES = 3.5
 """Least such distance, in mean edges of cells."""
 FLAT = 1e-6
 """Height over the fitted distance below which a sheet has no radius."""
@@ -112,15 +116,18 @@ class PressedPart:
         return volume + 0.0, height + 0.0, radius, thickness
 
     def _fit_radius(self, pole: int, now: FloatArray) -> float:
-        """Return the radius of the sphere through the nodes round the pole, their mirror images among them [mm]."""
+        """Return the radius of curvature at the pole, by the nodes round it and their mirror images [mm]."""
         near = np.linalg.norm(self._points[self._nodes] - self._points[pole], axis=1) <= self._reach
         x = now[self._nodes[near]]
         for axis, is_cut in enumerate(self._symmetry):
             if is_cut:
                 x = np.concatenate([x, x * np.where(np.arange(3) == axis, -1.0, 1.0)])
         x = (x - now[pole]) / self._reach
-        centre = np.linalg.lstsq(np.column_stack([2.0 * x, np.ones(len(x))]), (x**2).sum(axis=1), rcond=None)[0]
-        return self._reach * float(np.sqrt(max(centre[3] + centre[:3] @ centre[:3], 0.0)))
+        square = (x**2).sum(axis=1)
+        aside = square - (x @ self._normals[pole]) ** 2
+        terms = np.column_stack([2.0 * x, np.ones(len(x)), aside**2])
+        *centre, rest, _ = np.linalg.lstsq(terms, square, rcond=None)[0]
+        return self._reach * float(np.sqrt(max(rest + np.dot(centre, centre), 0.0)))
 
     def find_touched(self, now: FloatArray, forces: FloatArray) -> float:
         """Return the part of the pressed area that lies on tools. forces: of all tools on nodes (n_points, 3) [N]."""

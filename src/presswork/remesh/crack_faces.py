@@ -8,12 +8,15 @@ times, which it does not on the far side of thin metal.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from presswork.geometry.polygon import contains
 from presswork.model import BoolArray, FloatArray, IndexArray
 from presswork.remesh.boundary import find_folds
 from presswork.remesh.fill import measure_thickness
+from presswork.remesh.volume import put_on_tools
 
 DEEPEST = 0.5
 """Deepest penetration that is taken back, over the edges beside the node."""
@@ -22,10 +25,13 @@ APART = 0.02
 _ROUNDS = 12
 
 
-def part_faces(points: FloatArray, after: IndexArray, may_move: BoolArray) -> FloatArray:
+def part_faces(
+    points: FloatArray, after: IndexArray, may_move: BoolArray, profiles: Sequence[FloatArray]
+) -> FloatArray:
     """Return the nodes of loops (n, 2) [mm] with those that lie in the metal of another part of them moved out.
 
-    after: the node that follows each (n,); may_move: nodes that no plane holds (n,).
+    after: the node that follows each (n,); may_move: nodes that no plane holds (n,); profiles: of the tools, in which
+    no node may end.
     """
     points, before = points.copy(), np.argsort(after)
     for _ in range(_ROUNDS):
@@ -42,6 +48,7 @@ def part_faces(points: FloatArray, after: IndexArray, may_move: BoolArray) -> Fl
             break
         for first, second in folds.tolist():
             _take_back(points, after, may_move, first, second)
+        put_on_tools(points, may_move, profiles)
     return points
 
 

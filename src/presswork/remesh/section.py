@@ -94,7 +94,7 @@ def remesh_section(old: OldSection, settings: Remeshing, *, part: float = 1.0) -
     for attempt in range(_ATTEMPTS):
         try:
             line, after = _join_lines(
-                [resample(old_line, size) for old_line in old_lines], chains, is_cracked=old.is_cracked
+                [resample(old_line, size) for old_line in old_lines], chains, old.profiles if old.is_cracked else None
             )
             points, cells = fill_with_quadrilaterals(line.points, size, after, has_slits=old.is_cracked)
         except MeshError:
@@ -149,11 +149,11 @@ def _follow(chains: Sequence[IndexArray]) -> IndexArray:
 
 
 def _join_lines(
-    lines: Sequence[NewLine], chains: Sequence[IndexArray], *, is_cracked: bool
+    lines: Sequence[NewLine], chains: Sequence[IndexArray], profiles: Sequence[FloatArray] | None
 ) -> tuple[NewLine, IndexArray]:
     """Return new loops as one line whose places count through all loops, and the node that follows each.
 
-    is_cracked: faces of cracks that cross each other are parted.
+    profiles: of the tools, where faces of cracks that cross each other are parted; None: there are no cracks.
 
     Raises MeshError where sides cross each other.
     """
@@ -167,9 +167,9 @@ def _join_lines(
         tuple(seam for line in lines for seam in line.seams),
     )
     after = close_loops([len(line.points) for line in lines])
-    if is_cracked:
-        joined = replace(joined, points=part_faces(joined.points, after, ~joined.in_plane))
-    if is_cracked or len(lines) > 1:
+    if profiles is not None:
+        joined = replace(joined, points=part_faces(joined.points, after, ~joined.in_plane, profiles))
+    if profiles is not None or len(lines) > 1:
         refuse_fold(np.stack([joined.points, joined.points[after]], axis=1))
     return joined, after
 

@@ -36,7 +36,7 @@ def restore_volume(
     """
     points, is_free, total = points.copy(), is_free.copy(), 0.0
     for _ in range(_ROUNDS):
-        is_free &= ~_put_on_tools(points, is_free, profiles)
+        is_free &= ~put_on_tools(points, is_free, profiles)
         if not is_free.any() or abs(enclosed_volume(points, ring=ring) / target - 1.0) < 1e-12:
             break
         offset = _find_offset(points, is_free, target, ring=ring)
@@ -51,7 +51,7 @@ def restore_volume(
     return points, is_free, total
 
 
-def _put_on_tools(points: FloatArray, is_free: BoolArray, profiles: Sequence[FloatArray]) -> BoolArray:
+def put_on_tools(points: FloatArray, is_free: BoolArray, profiles: Sequence[FloatArray]) -> BoolArray:
     """Put free points that lie inside tools onto them, in place; return which."""
     inside = np.zeros(len(points), dtype=bool)
     for profile in profiles:

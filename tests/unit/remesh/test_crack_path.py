@@ -91,10 +91,13 @@ def test_faces_that_cross_are_parted_and_a_gap_stays():
     low, high = (np.column_stack([x, np.full(16, y)]) for y in (0.195, 0.205))
     line = np.concatenate([[[0.0, 0.0], [2.0, 0.0]], low[::-1], [[0.45, 0.2]], high, [[2.0, 0.4], [0.0, 0.4]]])
     after, everything = close_loops([len(line)]), np.ones(len(line), dtype=bool)
-    assert part_faces(line, after, everything) == pytest.approx(line)
+    assert part_faces(line, after, everything, []) == pytest.approx(line)
     crossed = line.copy()
     crossed[3:17, 1] += 0.02
     free = everything.copy()
     free[[0, 1, 2, -3, -2, -1]] = False
-    parted = part_faces(crossed, after, free)
+    parted = part_faces(crossed, after, free, [])
     assert parted[3:16, 1].max() < parted[21:34, 1].min()
+    above = np.array([[3.0, 0.21, -1.0, 0.21, 0.0, 0.0, 0.0]])  # a tool just above the slit
+    assert parted[free, 1].max() == pytest.approx(0.213)
+    assert part_faces(crossed, after, free, [above])[free, 1].max() == pytest.approx(0.21)

@@ -55,6 +55,8 @@ if TYPE_CHECKING:
 STEPS_OF_A_ROW = 10  # in each of which the ram of a blow keeps its speed
 TRIES_WITH_CRACKS = 6
 """How often a row that fails is computed again on another mesh, where cracks make poor cells."""
+PARTS = (1, 2, 4, 8)
+"""Into how many parts a row is divided that fails all the same, each with a new mesh."""
 EXTENTS = ("x_min", "x_max", "y_min", "y_max", "z_min", "z_max")
 """Extents of the workpiece [mm]; the last two in space."""
 
@@ -132,6 +134,7 @@ class ExplicitForming(IntervalRun):
     def _compute_interval(self, number: int, row: int) -> tuple[int, float, EnergyBalance]:
         if not self.mesh_changes:
             return self._compute_cycles(number, row)
+        begin = self.to_arrays()
         for change in self.mesh_changes:
             change.look()
         for left in range(self._most_tries(), -1, -1):
@@ -140,11 +143,12 @@ class ExplicitForming(IntervalRun):
                 found = self._compute_cycles(number, row)
                 break
             except ExplicitError as error:
-                if not left:
-                    raise
                 self.load_arrays(before)
-                if not any(change.look(str(error)) for change in self.mesh_changes):
-                    raise
+                if left and any(change.look(str(error)) for change in self.mesh_changes):
+                    continue
+                self.load_arrays(begin)
+                found = self._compute_in_parts(number, row, error)
+                break
         for change in self.mesh_changes:
             change.end_step()
         return found
@@ -153,10 +157,41 @@ class ExplicitForming(IntervalRun):
         """Return how often a row that fails is computed again on another mesh."""
         return 1 if self.model.separation is None else TRIES_WITH_CRACKS
 
-    def _compute_cycles(self, number: int, row: int) -> tuple[int, float, EnergyBalance]:
-        """Compute a row of a stage on the present mesh, as _compute_interval does."""
-        self.domain.begin_row(self, number, row)
+    def _compute_in_parts(self, number: int, row: int, error: ExplicitError) -> tuple[int, float, EnergyBalance]:
+        """Compute a row that fails on any one mesh on several, as _compute_interval does; error: of the last try.
+
+        It begins without the cracks that have grown before it: these may be what makes the meshes poor.
+        """
+        begin = self.to_arrays()
+        for parts in PARTS:
+            cycles, force = 0, np.zeros_like(self._force)
+            try:
+                for part in range(parts):
+                    if not any(change.look(str(error)) for change in self.mesh_changes):
+                        raise error
+                    done, _, energies = self._compute_cycles(number, row, (part, parts))
+                    if part + 1 < parts:
+                        for change in self.mesh_changes:
+                            change.end_step()
+                    cycles, force = cycles + done, force + self._force / parts
+            except ExplicitError as again:
+                error = again
+                self.load_arrays(begin)
+                continue
+            self._force = force
+            self.notes.append(f"row {number * self.model.output.rows + row + 1} took {parts} meshes")
+            return cycles, self.model.stages[number].duration / self.model.output.rows / cycles, energies
+        raise error
+
+    def _compute_cycles(
+        self, number: int, row: int, part: tuple[int, int] = (0, 1)
+    ) -> tuple[int, float, EnergyBalance]:
+        """Compute a row of a stage, or one of its equal parts, on the present mesh, as _compute_interval does.
+
+        part: number of the part, from 0, and how many there are.
+        """
         stage, rows = self.model.stages[number], self.model.output.rows
+        self.domain.begin_row(self, number, is_first=row == 0 and part[0] == 0)
         begin = self._begin_of(number)
         cycle, time = self.solids.cycle, self.solids.time
         impulse = [wall.impulse for wall in self.walls]
@@ -166,7 +201,7 @@ class ExplicitForming(IntervalRun):
         self.contacts.begin_row()
         if self.heat is not None:
             self.heat.begin_row()
-        to = begin + stage.duration * (row + 1) / rows
+        to = begin + stage.duration * (row + (part[0] + 1) / part[1]) / rows
         if stage.drive is not None and isinstance(stage.drive.motion, Blow):
             self._strike(number, stage.drive, to)
         else:
@@ -188,7 +223,7 @@ class ExplicitForming(IntervalRun):
             held = [find_held_by_wall(wall.nodal_force, find_coefficient(tool.friction)) for wall, tool in walls]
             pressed = is_pressed(np.vstack([*self._force, self._reaction.sum(axis=0)]))
             self.loose.end_row(self.model, number, self.solids, self.solids.mass, held, self.contacts, pressed=pressed)
-        self.domain.end_row(self, row)
+        self.domain.end_row(self, is_last=row + 1 == rows and part[0] + 1 == part[1])
         energies = self.solids.energies()
         self._progress.added_mass = self.solids.added_mass().percent
         cycles = self.solids.cycle - cycle

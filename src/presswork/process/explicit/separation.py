@@ -242,18 +242,25 @@ class _Cuts:
     def grow(self, nodes: list[int]) -> None:
         """Let cracks grow from their tips, by their nodes. Raises MeshError."""
         waiting = {tip: self._old.position[tip] for tip in nodes}
+        rests: dict[int, FloatArray] = {}
+        """Tips that have grown, or that do not grow, by their numbers in the outline."""
         for tip in nodes:
             place = waiting.pop(tip, None)
             if place is None:  # another crack has met it
                 continue
-            self._see(waiting)
+            self._see(waiting | rests)
             path = self._section.grow(place, find_heading(self._old, tip))
             if path is None:
-                self.tips.append(place)
+                rests[tip] = place
                 continue
             self._cut(path, Mouth(tip, is_tip=True), "grows")
             if path.met is not None:
-                waiting.pop(path.met)
+                waiting.pop(path.met, None)
+                rests.pop(path.met, None)
+            elif not path.ends_outside:
+                away = np.linalg.norm(self.outline.points - path.points[-1], axis=1)
+                rests[int(np.argmin(away))] = path.points[-1]
+        self.tips = [*rests.values()]
 
     def begin(self, cracked: BoolArray) -> None:
         """Let cracks begin; cracked: nodes on faces of cracks (n_points,). Raises MeshError."""

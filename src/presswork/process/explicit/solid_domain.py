@@ -60,14 +60,14 @@ class SolidDomain(Protocol):
     def move(self, number: int, motion: ToolMotion, stage: Stage) -> None:
         """Let a tool, by its number, move as a stage has it."""
 
-    def begin_row(self, run: ExplicitForming, number: int, row: int) -> None:
-        """Place tools before an interval of a stage."""
+    def begin_row(self, run: ExplicitForming, number: int, *, is_first: bool) -> None:
+        """Place tools before an interval, the first of a stage or a later one."""
 
     def limit_shear(self, run: ExplicitForming) -> None:
         """Limit the shear stress of friction by the strength of the metal."""
 
-    def end_row(self, run: ExplicitForming, row: int) -> None:
-        """Measure the tools after an interval of a stage."""
+    def end_row(self, run: ExplicitForming, *, is_last: bool) -> None:
+        """Measure the tools after an interval, the last of a stage or an earlier one."""
 
     def measure(self, run: ExplicitForming, number: int, mean: FloatArray) -> Row:
         """Return what the history has of a tool, by its number. mean: force on what is modelled of it (d,) [N]."""

@@ -75,13 +75,13 @@ class SolidsInPlane:
         """Let a tool, by its number, move as a stage has it."""
         self.walls[number].velocity = motion.move[0] / stage.duration, motion.move[1] / stage.duration
 
-    def begin_row(self, run: ExplicitForming, number: int, row: int) -> None:
+    def begin_row(self, run: ExplicitForming, number: int, *, is_first: bool) -> None:
         """Place nothing: tools in the plane only move."""
 
     def limit_shear(self, run: ExplicitForming) -> None:
         """Limit nothing: friction in the plane is Coulomb's."""
 
-    def end_row(self, run: ExplicitForming, row: int) -> None:
+    def end_row(self, run: ExplicitForming, *, is_last: bool) -> None:
         """Measure nothing: tools in the plane do not turn."""
 
     def measure(self, run: ExplicitForming, number: int, mean: FloatArray) -> Row:

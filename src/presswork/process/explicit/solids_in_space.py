@@ -130,19 +130,19 @@ class SolidsInSpace:
         wall.velocity = tuple(travel / stage.duration for travel in motion.move)
         wall.spin = motion.turn / stage.duration
 
-    def begin_row(self, run: ExplicitForming, number: int, row: int) -> None:
-        """Place tools before an interval of a stage."""
-        if row == 0:
+    def begin_row(self, run: ExplicitForming, number: int, *, is_first: bool) -> None:
+        """Place tools before an interval, the first of a stage or a later one."""
+        if is_first:
             self._place_tools(run.model, number)
         self._float_tools(run.model, number)
         self._time_n = self.solids.time
         self._impulse_n = np.array([wall.impulse_of_moment for wall in self.walls])
 
-    def end_row(self, run: ExplicitForming, row: int) -> None:
-        """Measure the moments of the tools after an interval of a stage."""
+    def end_row(self, run: ExplicitForming, *, is_last: bool) -> None:
+        """Measure the moments of the tools after an interval, the last of a stage or an earlier one."""
         impulse = np.array([wall.impulse_of_moment for wall in self.walls])
         self._moment = (impulse - self._impulse_n) / (self.solids.time - self._time_n)
-        if row + 1 == run.model.output.rows:
+        if is_last:
             self._force_start = run.tool_forces().copy()
 
     def _place_tools(self, model: Model, number: int) -> None:
