@@ -98,13 +98,14 @@ std::vector<double> temperatures(const Thermal& thermal, const std::optional<Dou
 
 template <int N>
 auto update_arrays(const Owned<ElasticPlastic<N>>& owned, Doubles strain, Doubles stress, Doubles history, double dt,
-                   std::optional<Doubles> temperature, bool with_tangent, bool packed) {
+                   std::optional<Doubles> temperature, bool with_tangent, bool packed, std::optional<Doubles> mixture) {
   const ElasticPlastic<N>& law = owned.view;
   require(strain.ndim() == 2 && strain.shape(1) == N, "strain must have shape (n, N)");
   const std::size_t n = strain.shape(0), size = law.history_size();
   require(stress.ndim() == 2 && stress.shape(0) == n && stress.shape(1) == N, "stress must have the shape of strain");
   require(history.ndim() == 2 && history.shape(0) == n && history.shape(1) == size,
           "history must have shape (n, history_size)");
+  require(!mixture || mixture->size() == mixture_size * n, "mixture must have shape (n, 3)");
   double *new_stress, *new_history, *thickness, *tangent = nullptr;
   auto stresses = new_array({n, N}, &new_stress);
   auto histories = new_array({n, size}, &new_history);
@@ -115,8 +116,8 @@ auto update_arrays(const Owned<ElasticPlastic<N>>& owned, Doubles strain, Double
   std::memcpy(new_stress, stress.data(), N * n * sizeof(double));
   std::memcpy(new_history, history.data(), size * n * sizeof(double));
   const std::vector<double> degrees = temperatures(law.flow.thermal, temperature, n);
-  update_points(law, n, strain.data(), dt, degrees.data(), new_stress, new_history, thickness,
-                with_tangent ? tangent : nullptr, failed, packed);
+  update_points(law, n, strain.data(), dt, degrees.data(), mixture ? mixture->data() : nullptr, new_stress, new_history,
+                thickness, with_tangent ? tangent : nullptr, failed, packed);
   const std::size_t shape[1] = {n};
   return std::make_tuple(stresses, histories, thicknesses, tangents,
                          nb::ndarray<nb::numpy, std::uint8_t>(failed, 1, shape, owner));
@@ -124,14 +125,16 @@ auto update_arrays(const Owned<ElasticPlastic<N>>& owned, Doubles strain, Double
 
 template <int N>
 NewDoubles differentiate(const Owned<ElasticPlastic<N>>& law, Doubles strain, Doubles stress, Doubles history,
-                         double dt, std::optional<Doubles> temperature) {
+                         double dt, std::optional<Doubles> temperature, std::optional<Doubles> mixture) {
   require(strain.ndim() == 2 && strain.shape(1) == N, "strain must have shape (n, N)");
   const std::size_t n = strain.shape(0), size = law.view.history_size();
   require(stress.size() == N * n && history.size() == size * n, "stress and history must be those of the points");
+  require(!mixture || mixture->size() == mixture_size * n, "mixture must have shape (n, 3)");
   double* derivative;
   auto derivatives = new_array({n, N, N}, &derivative);
   const std::vector<double> degrees = temperatures(law.view.flow.thermal, temperature, n);
-  differentiate_points(law.view, n, strain.data(), dt, degrees.data(), stress.data(), history.data(), derivative);
+  differentiate_points(law.view, n, strain.data(), dt, degrees.data(), mixture ? mixture->data() : nullptr,
+                       stress.data(), history.data(), derivative);
   return derivatives;
 }
 
@@ -184,12 +187,14 @@ void bind_law(nb::module_& m, const char* name, const char* doc, const char* upd
              std::vector<double> parameters, RateLaw rate, std::map<std::string, double> rate_parameters,
              std::optional<Chaboche> chaboche, std::optional<YoshidaUemori> yoshida_uemori,
              std::optional<Thermal> thermal, double young_saturated, double young_rate, std::vector<double> expansion,
-             std::vector<double> young_factor, std::vector<double> poisson_curve) {
+             std::vector<double> young_factor, std::vector<double> poisson_curve, bool phases) {
             require(!(chaboche && yoshida_uemori), "give chaboche or yoshida_uemori, not both");
+            require(!phases || (N > 3 && !chaboche && !yoshida_uemori),
+                    "phases are for solids without kinematic hardening");
             Law made;
             ElasticPlastic<N>& law = made.view;
             law.young = young, law.poisson = poisson, law.yield = yield.in<N>();
-            law.young_saturated = young_saturated, law.young_rate = young_rate;
+            law.young_saturated = young_saturated, law.young_rate = young_rate, law.phases = phases;
             const bool fits = static_cast<std::size_t>(hardening) < cold_laws
                                   ? make_hardening(hardening, std::move(parameters), law.flow.hardening, made.data)
                                   : make_hot_hardening(hardening, std::move(parameters), law.flow.hot, made.data);
@@ -209,7 +214,9 @@ void bind_law(nb::module_& m, const char* name, const char* doc, const char* upd
           nb::arg("chaboche") = nb::none(), nb::arg("yoshida_uemori") = nb::none(), nb::arg("thermal") = nb::none(),
           nb::arg("young_saturated") = 0.0, nb::arg("young_rate") = 0.0, nb::arg("expansion") = std::vector<double>{},
           nb::arg("young_factor") = std::vector<double>{}, nb::arg("poisson_curve") = std::vector<double>{},
-          "expansion, young_factor, poisson_curve: rows of a temperature and c0, c1, c2 from there on.")
+          nb::arg("phases") = false,
+          "expansion, young_factor, poisson_curve: rows of a temperature and c0, c1, c2 from there on. phases: whether "
+          "points may be given a mixture: strain, K phi [1/MPa] and factor on the flow stress, each since the start.")
       .def_prop_ro(
           "young", [](const Law& law) { return law.view.young; }, "Young's modulus at the start [MPa].")
       .def_prop_ro(
@@ -228,11 +235,11 @@ void bind_law(nb::module_& m, const char* name, const char* doc, const char* upd
       .def("rate_factor", &evaluate_rate<N>, nb::arg("rate"),
            "Factor on the flow stress and its slope [s] at equivalent plastic strain rates (n) [1/s].")
       .def("differentiate", &differentiate<N>, nb::arg("strain"), nb::arg("stress"), nb::arg("history"), nb::kw_only(),
-           nb::arg("dt") = 1.0, nb::arg("temperature") = nb::none(),
+           nb::arg("dt") = 1.0, nb::arg("temperature") = nb::none(), nb::arg("mixture") = nb::none(),
            "d stress/d strain (n, N, N) of update by dual numbers: what its tangent must be.")
       .def("update", &update_arrays<N>, nb::arg("strain"), nb::arg("stress"), nb::arg("history"), nb::kw_only(),
            nb::arg("dt") = 1.0, nb::arg("temperature") = nb::none(), nb::arg("tangent") = true,
-           nb::arg("packed") = true, update_doc);
+           nb::arg("packed") = true, nb::arg("mixture") = nb::none(), update_doc);
 }
 
 void bind_parts(nb::module_& m) {

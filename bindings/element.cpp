@@ -105,7 +105,7 @@ void bind_element(nb::module_& m) {
          MutableDoubles force, std::optional<MutableDoubles> stiffness, bool symmetric,
          std::optional<Doubles> history_n, std::optional<MutableDoubles> history, double dt, int first_cell,
          std::optional<Doubles> temperature, std::optional<Doubles> temperature_n, std::optional<UmatPlace> when,
-         LawFault* fault) {
+         LawFault* fault, std::optional<Doubles> mixture) {
         const auto element = element_named(name);
         const std::size_t n = connectivity.shape(0), packs = (n + pack_width - 1) / pack_width;
         const std::size_t freedoms = element.freedoms() * element.nodes, q = n * element.points;
@@ -123,6 +123,7 @@ void bind_element(nb::module_& m) {
                 "stiffness must have shape (n_packs, freedoms, freedoms, pack_width)");
         require(!temperature || temperature->size() == q, "temperature must have shape (n_cells, points)");
         require(!temperature_n || temperature_n->size() == q, "temperature_n must have shape (n_cells, points)");
+        require(!mixture || mixture->size() == q * mixture_size, "mixture must have shape (n_cells, points, 3)");
         BlockView block{static_cast<int>(n),
                         connectivity.data(),
                         points.data(),
@@ -162,6 +163,7 @@ void bind_element(nb::module_& m) {
         if (when) block.when = *when;
         if (temperature) block.temperature = temperature->data();
         if (temperature_n) block.temperature_n = temperature_n->data();
+        if (mixture) block.mixture = mixture->data();
         block.first_cell = first_cell, block.dt = dt;
         LawFault unheard;
         LawFault& told = fault ? *fault : unheard;
@@ -182,10 +184,11 @@ void bind_element(nb::module_& m) {
       nb::arg("stiffness").none(), nb::arg("symmetric") = false, nb::arg("history_n") = nb::none(),
       nb::arg("history") = nb::none(), nb::arg("dt") = 0.0, nb::arg("first_cell") = 0,
       nb::arg("temperature") = nb::none(), nb::arg("temperature_n") = nb::none(), nb::arg("when") = nb::none(),
-      nb::arg("fault") = nb::none(),
+      nb::arg("fault") = nb::none(), nb::arg("mixture") = nb::none(),
       "Evaluate a block of cells over one increment; fills stress, eqps, hourglass, volume, force and stiffness. "
       "history (n_cells, points, n_history) is what the law keeps besides stress and eqps; temperature (n_cells, "
-      "points) [degrees C] is given at the end of the increment, without it that of the law's start. Returns the index "
+      "points) [degrees C] is given at the end of the increment, without it that of the law's start; mixture (n_cells, "
+      "points, 3) what phases make of a point: strain, K phi [1/MPa], factor on the flow stress. Returns the index "
       "of a cell "
       "turned inside out, or -1; what the law told is in fault.");
 

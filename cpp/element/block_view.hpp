@@ -32,6 +32,7 @@ struct BlockView {
   double dt = 0.0;                        // of the increment [s]
   const double* temperature = nullptr;    // (n_cells, q) given to the points [degrees C]; null: that of the law's start
   const double* temperature_n = nullptr;  // the same when the increment began, for laws from shared libraries
+  const double* mixture = nullptr;        // (n_cells, q, mixture_size) given to laws with phases, or null
   int first_cell = 0;                     // of the block in the mesh
   UmatPlace when = {};                    // stage, increment and times
   LawFault* fault = nullptr;              // (n_packs)

@@ -205,16 +205,16 @@ void turn_axes(const PlaneLaw& law, T c, T s, const T* s0, T* s1) {
 
 }  // namespace point
 
-// Advance a point by F over the time dt, at a temperature given from outside, and, unless settings.tangent is none,
-// give its spatial modulus. F must have a positive determinant; s0 goes to s1, the stress turned with the material.
-// Gives the lanes in which the law failed.
+// Advance a point by F over the time dt, at a temperature and mixture given from outside, and, unless settings.tangent
+// is none, give its spatial modulus. F must have a positive determinant; s0 goes to s1, the stress turned with the
+// material. Gives the lanes in which the law failed.
 template <class T, class Law>
 Mask<T> respond(const PointSettings& settings, const Law& law, const T F[5], double dt, T temperature, const T* s0,
-                T* s1, PointResponse<T>& response) {
+                T* s1, PointResponse<T>& response, const T* mixture = nullptr) {
   const bool with_tangent = settings.tangent != TangentKind::none;
   T D[4][4];
   LawInput<4, T> in;
-  in.dt = dt, in.temperature = temperature;
+  in.dt = dt, in.temperature = temperature, in.mixture = mixture;
   if (settings.small_displacements) {
     point::small_strain(F, in.strain);
     const Mask<T> failed = point::call_law(law, in, s0, s1, with_tangent ? D : nullptr);

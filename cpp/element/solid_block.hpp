@@ -48,10 +48,13 @@ struct BlockPoints {
   [[gnu::always_inline]] inline void advance(int q, const T x[][dim], const T du[][dim], const typename Body::Point* g,
                                              const T* F, typename Body::Response& response) {
     load_point<components>(b, law, cells, n_points, q, s0);
-    if constexpr (is_umat)
+    if constexpr (is_umat) {
       respond(settings, law, find_lanes(x, du, g, q), first, F, s0, s1, response, b.fault[pack]);
-    else
-      note_failed(b, pack, count, respond(settings, law, F, b.dt, temperature_at(q), s0, s1, response));
+    } else {
+      T mixture[mixture_size];
+      const T* given = read_mixture(q, mixture) ? mixture : nullptr;
+      note_failed(b, pack, count, respond(settings, law, F, b.dt, temperature_at(q), s0, s1, response, given));
+    }
   }
   [[gnu::always_inline]] inline void keep(int q, T volume) {
     save_point<components>(b, law, cells, count, n_points, q, s1, volume);
@@ -64,14 +67,22 @@ struct BlockPoints {
       for (int lane = 0; lane < pack_width; ++lane) given.set(lane, b.temperature[cells[lane] * n_points + q]);
     return given;
   }
+  bool read_mixture(int q, T mixture[mixture_size]) const {
+    if (!b.mixture) return false;
+    for (int lane = 0; lane < pack_width; ++lane)
+      for (int i = 0; i < mixture_size; ++i)
+        mixture[i].set(lane, b.mixture[mixture_size * (cells[lane] * n_points + q) + i]);
+    return true;
+  }
 
   void begin_hourglass(T Q[2], T& modulus) const {
     static_assert(!is_umat, "hourglass control needs a flow stress");
     for (int lane = 0; lane < pack_width; ++lane)
       for (int i = 0; i < 2; ++i) Q[i].set(lane, b.hourglass_n[2 * cells[lane] + i]);
-    T flow, slope;
+    T flow, slope, mixture[mixture_size];
     const T eqps_n = s0[4], modulus_n = T(law.shear_modulus());
     law.flow_at_rest(eqps_n, point_temperature(law, temperature_at(0), s0), flow, slope);
+    if (read_mixture(0, mixture)) flow = flow * mixture[mixture_flow], slope = slope * mixture[mixture_flow];
     modulus = Body::Forces::hourglass_modulus(modulus_n, eqps_n, flow, slope);
   }
   void keep_hourglass(const T Q[2]) {
@@ -81,14 +92,16 @@ struct BlockPoints {
 
   // Of the law without stress, in this increment.
   T dilatation() const {
-    if constexpr (std::is_same_v<Law, SolidLaw>)
-      if (law.thermoelastic.active()) {
-        T kept[most_point_values<components>];
-        load_point<components>(b, law, cells, n_points, 0, kept);
-        const T now = law.temperature_now(temperature_at(0), kept);
-        return T(3.0) * law.thermoelastic.strain(law.temperature_before(kept), now);
-      }
-    return T(0.0);
+    T linear(0.0);
+    if constexpr (std::is_same_v<Law, SolidLaw>) {
+      if (!law.thermoelastic.active() && !law.phases) return linear;
+      T kept[most_point_values<components>], mixture[mixture_size];
+      load_point<components>(b, law, cells, n_points, 0, kept);
+      const T now = law.temperature_now(temperature_at(0), kept);
+      if (law.thermoelastic.active()) linear = law.thermoelastic.strain(law.temperature_before(kept), now);
+      if (law.phases && read_mixture(0, mixture)) linear += mixture[mixture_strain] - kept[law.mixture_at()];
+    }
+    return T(3.0) * linear;
   }
   void begin_bubble(T& relaxed) const {
     for (int lane = 0; lane < pack_width; ++lane) relaxed.set(lane, 1.0 + b.dt * b.hourglass_n[2 * cells[lane]]);

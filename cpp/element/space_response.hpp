@@ -168,16 +168,16 @@ PRESSWORK_DEVICE void finish_modulus(const PointSettings& settings, const T F[9]
 
 }  // namespace space
 
-// Advance a point by F over the time dt, at a temperature given from outside, and, unless settings.tangent is none,
-// give its spatial modulus. F must have a positive determinant; s0 goes to s1, the stress turned with the material.
-// Gives the lanes in which the law failed.
+// Advance a point by F over the time dt, at a temperature and mixture given from outside, and, unless settings.tangent
+// is none, give its spatial modulus. F must have a positive determinant; s0 goes to s1, the stress turned with the
+// material. Gives the lanes in which the law failed.
 template <class T, class Law>
 PRESSWORK_DEVICE Mask<T> respond(const PointSettings& settings, const Law& law, const T F[9], double dt, T temperature,
-                                 const T* s0, T* s1, SpaceResponse<T>& response) {
+                                 const T* s0, T* s1, SpaceResponse<T>& response, const T* mixture = nullptr) {
   const bool with_tangent = settings.tangent != TangentKind::none;
   T(&C)[6][6] = response.modulus;
   LawInput<6, T> in;
-  in.dt = dt, in.temperature = temperature;
+  in.dt = dt, in.temperature = temperature, in.mixture = mixture;
   response.with_initial_stress = false;
   if (settings.small_displacements) {
     small_strain(F, in.strain);

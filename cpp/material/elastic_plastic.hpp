@@ -4,8 +4,9 @@
 // space. The contract is that of law.hpp; a shell adds elastic transverse shear of its own.
 //
 // State: stress (N), equivalent plastic strain, where the law heats the rise of temperature, then what kinematic.hpp
-// keeps, and where elasticity depends on temperature that of the last increment, less that of the start. In plane
-// stress update_sheet gives the thickness strain besides: elastic and plastic, volume kept by the plastic part.
+// keeps, with phases the strain and the K phi of the last increment (MixturePlace), and where elasticity depends on
+// temperature that of the last increment, less that of the start. In plane stress update_sheet gives the thickness
+// strain besides: elastic and plastic, volume kept by the plastic part.
 #pragma once
 
 #include "material/law_data.hpp"
@@ -24,13 +25,16 @@ struct ElasticPlastic {
   KinematicLaw kinematic = {};
   double young_saturated = 0.0;  // Young's modulus after large plastic strain [MPa]
   Thermoelastic thermoelastic = {};
+  bool phases = false;      // whether the input may have a mixture; without a back stress, and not in plane stress
   double young_rate = 0.0;  // E = Ea + (E0 - Ea) exp(-rate p), p of the start of the increment; 0 keeps E0
 
   PRESSWORK_DEVICE int history_size() const {  // values behind the stress
     return 1 + (flow.thermal.heats() ? 1 : 0) +
-           choose(kinematic, [](const auto& k) { return k.template history_size<N>(); }) +
+           choose(kinematic, [](const auto& k) { return k.template history_size<N>(); }) + (phases ? 2 : 0) +
            (thermoelastic.active() ? 1 : 0);
   }
+  // Where a state has what the law keeps of the mixture.
+  PRESSWORK_DEVICE int mixture_at() const { return state_size() - 2 - (thermoelastic.active() ? 1 : 0); }
   PRESSWORK_DEVICE int state_size() const { return N + history_size(); }
   PRESSWORK_DEVICE double shear_modulus() const { return young / (2.0 * (1.0 + poisson)); }
   PRESSWORK_DEVICE double bulk_modulus() const { return young / (3.0 * (1.0 - 2.0 * poisson)); }
@@ -107,14 +111,18 @@ extern template Mask<Pack> update(const SolidLaw&, const LawInput<6, Pack>&, con
 template <int N>
 inline constexpr int most_kept = 3 + N * Chaboche::most;
 
-// A point as it is when the temperature has changed and nothing has moved: elasticity at present, thermal strain of the
-// change, temperature, and in `state` s0 with the stress that the moduli make of it.
+// A point as it is when temperature and phases have changed and nothing has moved: elasticity at present, strain of
+// free growth, temperature, and in `state` s0 with the stress that the moduli make of it.
+//
+// Transformation plasticity, strain = 1.5 K dphi s with the deviator s of the end, divides shear modulus and deviator
+// by 1 + 3 G K dphi before the return to yield, which with its tangent stays as it is. A flow stress of `flow` times
+// the law's is one whose stresses and moduli are divided by it: what the law answers is multiplied by `flow`.
 template <int N, class T>
 struct Heated {
   Elasticity<N, T> before, elastic;
-  T thermal, temperature, state[N + most_kept<N>];
+  T thermal, temperature, flow = T(1.0), state[N + most_kept<N>];
 
-  PRESSWORK_DEVICE Heated(const ElasticPlastic<N>& law, T given, const T* s0)
+  PRESSWORK_DEVICE Heated(const ElasticPlastic<N>& law, T given, const T* s0, const T* mixture = nullptr)
       : before(law.elasticity(s0[N], law.temperature_before(s0))),
         elastic(law.elasticity(s0[N], law.temperature_now(given, s0))),
         thermal(law.thermoelastic.strain(law.temperature_before(s0), law.temperature_now(given, s0))),
@@ -123,6 +131,20 @@ struct Heated {
     before.compliance(s0, strain);
     elastic.stiffness(strain, state);
     for (int i = N; i < law.state_size(); ++i) state[i] = s0[i];
+    if constexpr (N > 3)
+      if (mixture) transform(law, s0, mixture);
+  }
+  PRESSWORK_DEVICE void transform(const ElasticPlastic<N>& law, const T* s0, const T* mixture) {
+    const T* kept = s0 + law.mixture_at();
+    thermal += mixture[mixture_strain] - kept[mixture_strain];
+    const T shear = elastic.shear, bulk = elastic.spread + T(2.0 / 3.0) * shear;
+    const T less = T(1.0) / (T(1.0) + T(3.0) * shear * larger(mixture[mixture_trip] - kept[mixture_trip], T(0.0)));
+    const T softer = less * shear, sum = T(3.0) * bulk + softer;
+    flow = mixture[mixture_flow];
+    elastic = Elasticity<N, T>(T(9.0) * bulk * softer / (sum * flow), T(0.5) * (sum - T(3.0) * softer) / sum);
+    const T mean = T(1.0 / 3.0) * (state[0] + state[1] + state[2]);
+    for (int i = 0; i < 3; ++i) state[i] = (mean + less * (state[i] - mean)) / flow;
+    for (int i = 3; i < N; ++i) state[i] = less * state[i] / flow;
   }
   PRESSWORK_DEVICE void take_off(const T strain[N], T mechanical[N]) const {
     constexpr int normal = N == 3 ? 2 : 3;
@@ -159,31 +181,32 @@ PRESSWORK_DEVICE Mask<T> update_sheet(const SheetLaw& law, const LawInput<3, T>&
   return failed;
 }
 
-// Arrays over n points: strain, stress (n, N), history (n, history_size), temperature (n), tangent (n, N, N) or null,
-// failed (n); thickness (n) for N = 3, else null. Stress and history are advanced in place. By packs, or a point at a
-// time.
+// Arrays over n points: strain, stress (n, N), history (n, history_size), temperature (n), mixture (n, mixture_size) or
+// null, tangent (n, N, N) or null, failed (n); thickness (n) for N = 3, else null. Stress and history are advanced in
+// place. By packs, or a point at a time.
 template <int N>
 void update_points(const ElasticPlastic<N>& law, std::size_t n, const double* strain, double dt,
-                   const double* temperature, double* stress, double* history, double* thickness, double* tangent,
-                   std::uint8_t* failed, bool packed);
+                   const double* temperature, const double* mixture, double* stress, double* history, double* thickness,
+                   double* tangent, std::uint8_t* failed, bool packed);
 
-extern template void update_points(const SheetLaw&, std::size_t, const double*, double, const double*, double*, double*,
-                                   double*, double*, std::uint8_t*, bool);
-extern template void update_points(const PlaneLaw&, std::size_t, const double*, double, const double*, double*, double*,
-                                   double*, double*, std::uint8_t*, bool);
-extern template void update_points(const SolidLaw&, std::size_t, const double*, double, const double*, double*, double*,
-                                   double*, double*, std::uint8_t*, bool);
+extern template void update_points(const SheetLaw&, std::size_t, const double*, double, const double*, const double*,
+                                   double*, double*, double*, double*, std::uint8_t*, bool);
+extern template void update_points(const PlaneLaw&, std::size_t, const double*, double, const double*, const double*,
+                                   double*, double*, double*, double*, std::uint8_t*, bool);
+extern template void update_points(const SolidLaw&, std::size_t, const double*, double, const double*, const double*,
+                                   double*, double*, double*, double*, std::uint8_t*, bool);
 
 // d stress/d strain (n, N, N) of update by dual numbers: what its tangent must be.
 template <int N>
 void differentiate_points(const ElasticPlastic<N>& law, std::size_t n, const double* strain, double dt,
-                          const double* temperature, const double* stress, const double* history, double* derivative);
+                          const double* temperature, const double* mixture, const double* stress, const double* history,
+                          double* derivative);
 
 extern template void differentiate_points(const SheetLaw&, std::size_t, const double*, double, const double*,
-                                          const double*, const double*, double*);
+                                          const double*, const double*, const double*, double*);
 extern template void differentiate_points(const PlaneLaw&, std::size_t, const double*, double, const double*,
-                                          const double*, const double*, double*);
+                                          const double*, const double*, const double*, double*);
 extern template void differentiate_points(const SolidLaw&, std::size_t, const double*, double, const double*,
-                                          const double*, const double*, double*);
+                                          const double*, const double*, const double*, double*);
 
 }  // namespace presswork

@@ -24,8 +24,8 @@ inline bool lane_of(Pack::Mask mask, int lane) { return mask[lane] != 0; }
 
 template <class T, int width, int N>
 void update_range(const ElasticPlastic<N>& law, std::size_t n, const double* strain, double dt,
-                  const double* temperature, double* stress, double* history, double* thickness, double* tangent,
-                  std::uint8_t* failed) {
+                  const double* temperature, const double* mixture, double* stress, double* history, double* thickness,
+                  double* tangent, std::uint8_t* failed) {
   const std::size_t size = law.history_size();
   std::vector<T> state(2 * (N + size));
   T *s0 = state.data(), *s1 = s0 + N + size;
@@ -39,6 +39,11 @@ void update_range(const ElasticPlastic<N>& law, std::size_t n, const double* str
       load(s0[i], stress + N * first + i, lanes, N);
     }
     load(in.temperature, temperature + first, lanes, 1);
+    T given[mixture_size];
+    if (mixture) {
+      for (int i = 0; i < mixture_size; ++i) load(given[i], mixture + mixture_size * first + i, lanes, mixture_size);
+      in.mixture = given;
+    }
     for (std::size_t i = 0; i < size; ++i) load(s0[N + i], history + size * first + i, lanes, size);
     Mask<T> lost;
     if constexpr (N == 3) {
@@ -70,36 +75,50 @@ PRESSWORK_DEVICE Mask<T> update(const ElasticPlastic<N>& law, const LawInput<N, 
       });
     });
   };
-  if (!law.thermoelastic.active()) return run(law.elasticity(s0[N]), in, s0);
-  const Heated<N, T> heated(law, in.temperature, s0);
+  const bool heats = law.thermoelastic.active();
+  if (!heats && !law.phases) return run(law.elasticity(s0[N]), in, s0);
+  const T* mixture = law.phases ? in.mixture : nullptr;
+  const Heated<N, T> heated(law, in.temperature, s0, mixture);
   T stress[N];
   for (int i = 0; i < N; ++i) stress[i] = s0[i];
   LawInput<N, T> own = in;
   heated.take_off(in.strain, own.strain);
   const Mask<T> failed = run(heated.elastic, own, heated.state);
-  for (int i = 0; i < N; ++i) s1[i] = select(failed, stress[i], s1[i]);
+  for (int i = 0; i < N; ++i) s1[i] = select(failed, stress[i], s1[i] * heated.flow);
+  if (mixture && tangent)
+    for (int i = 0; i < N; ++i)
+      for (int j = 0; j < N; ++j) tangent[i][j] = tangent[i][j] * heated.flow;
+  if (law.phases)
+    for (int k = 0, at = law.mixture_at(); k < 2; ++k)
+      s1[at + k] = mixture ? select(failed, heated.state[at + k], mixture[k]) : heated.state[at + k];
   const int last = law.state_size() - 1;
-  s1[last] = select(failed, heated.state[last], heated.temperature - T(law.flow.thermal.start));
+  if (heats) s1[last] = select(failed, heated.state[last], heated.temperature - T(law.flow.thermal.start));
   return failed;
 }
 
 template <int N>
 void update_points(const ElasticPlastic<N>& law, std::size_t n, const double* strain, double dt,
-                   const double* temperature, double* stress, double* history, double* thickness, double* tangent,
-                   std::uint8_t* failed, bool packed) {
+                   const double* temperature, const double* mixture, double* stress, double* history, double* thickness,
+                   double* tangent, std::uint8_t* failed, bool packed) {
   auto run = packed ? elastic_plastic::update_range<Pack, pack_width, N> : elastic_plastic::update_range<double, 1, N>;
-  run(law, n, strain, dt, temperature, stress, history, thickness, tangent, failed);
+  run(law, n, strain, dt, temperature, mixture, stress, history, thickness, tangent, failed);
 }
 
 template <int N>
 void differentiate_points(const ElasticPlastic<N>& law, std::size_t n, const double* strain, double dt,
-                          const double* temperature, const double* stress, const double* history, double* derivative) {
+                          const double* temperature, const double* mixture, const double* stress, const double* history,
+                          double* derivative) {
   using D = Dual<double, N>;
   const std::size_t size = law.history_size();
   std::vector<D> s0(N + size), s1(N + size);
   for (std::size_t point = 0; point < n; ++point) {
     LawInput<N, D> in;
     in.dt = dt, in.temperature = D(temperature[point]);
+    D given[mixture_size];
+    if (mixture) {
+      for (int i = 0; i < mixture_size; ++i) given[i] = D(mixture[mixture_size * point + i]);
+      in.mixture = given;
+    }
     for (int i = 0; i < N; ++i) {
       in.strain[i] = D::variable(strain[N * point + i], i);
       s0[i] = D(stress[N * point + i]);

@@ -24,6 +24,9 @@ History list_history(const ElasticPlastic<N>& law) {
                                     HistoryPart{"stagnation_centre", N}, HistoryPart{"stagnation_size", 1}})
       parts.push_back(part);
   }
+  if (law.phases)
+    for (const HistoryPart& part : {HistoryPart{"phase_strain", 1}, HistoryPart{"phase_trip", 1}})
+      parts.push_back(part);
   if (law.thermoelastic.active()) parts.push_back({"temperature", 1});
   return parts;
 }

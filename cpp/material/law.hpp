@@ -28,11 +28,16 @@
 
 namespace presswork {
 
+// What the phases of a point make of it, each since the start, as one array of mixture_size values: strain of free
+// growth; sum of K phi of transformation plasticity [1/MPa]; factor on the flow stress of the present mixture.
+enum MixturePlace { mixture_strain, mixture_trip, mixture_flow, mixture_size };
+
 template <int N, class T>
 struct LawInput {
   T strain[N];
-  double dt = 0.0;         // [s]; laws with a strain rate flow in no time at all: with 0 they answer elastically
-  T temperature = T(0.0);  // [degrees C]; what the law itself heats comes on top
+  double dt = 0.0;             // [s]; laws with a strain rate flow in no time at all: with 0 they answer elastically
+  T temperature = T(0.0);      // [degrees C]; what the law itself heats comes on top
+  const T* mixture = nullptr;  // (mixture_size) of the increment's end, for laws with phases; null: as before
 };
 
 }  // namespace presswork

@@ -177,9 +177,9 @@ class Thermal:
 class SheetLaw:
     """Elastic-plastic sheet in plane stress; stresses in MPa."""
 
-    def __init__(self, young: float, poisson: float, yield_function: YieldFunction, hardening: HardeningLaw, parameters: Sequence[float], *, rate: RateLaw = RateLaw.none, rate_parameters: Mapping[str, float] = {}, chaboche: Chaboche | None = None, yoshida_uemori: YoshidaUemori | None = None, thermal: Thermal | None = None, young_saturated: float = 0.0, young_rate: float = 0.0, expansion: Sequence[float] = [], young_factor: Sequence[float] = [], poisson_curve: Sequence[float] = []) -> None:
+    def __init__(self, young: float, poisson: float, yield_function: YieldFunction, hardening: HardeningLaw, parameters: Sequence[float], *, rate: RateLaw = RateLaw.none, rate_parameters: Mapping[str, float] = {}, chaboche: Chaboche | None = None, yoshida_uemori: YoshidaUemori | None = None, thermal: Thermal | None = None, young_saturated: float = 0.0, young_rate: float = 0.0, expansion: Sequence[float] = [], young_factor: Sequence[float] = [], poisson_curve: Sequence[float] = [], phases: bool = False) -> None:
         """
-        expansion, young_factor, poisson_curve: rows of a temperature and c0, c1, c2 from there on.
+        expansion, young_factor, poisson_curve: rows of a temperature and c0, c1, c2 from there on. phases: whether points may be given a mixture: strain, K phi [1/MPa] and factor on the flow stress, each since the start.
         """
 
     @property
@@ -210,12 +210,12 @@ class SheetLaw:
         Factor on the flow stress and its slope [s] at equivalent plastic strain rates (n) [1/s].
         """
 
-    def differentiate(self, strain: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], stress: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], history: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, dt: float = 1.0, temperature: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None = None) -> NDArray[numpy.float64]:
+    def differentiate(self, strain: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], stress: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], history: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, dt: float = 1.0, temperature: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None = None, mixture: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None = None) -> NDArray[numpy.float64]:
         """
         d stress/d strain (n, N, N) of update by dual numbers: what its tangent must be.
         """
 
-    def update(self, strain: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], stress: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], history: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, dt: float = 1.0, temperature: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None = None, tangent: bool = True, packed: bool = True) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.uint8]]:
+    def update(self, strain: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], stress: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], history: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, dt: float = 1.0, temperature: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None = None, tangent: bool = True, packed: bool = True, mixture: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None = None) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.uint8]]:
         """
         Advance points by strain increments (n, 3) over dt [s] at temperatures (n), without them that of the start; returns stress (n, 3), history (n, history_size), thickness strain increment (n), tangent (n, 3, 3; (0, 3, 3) if not asked for) and failed (n).
         """
@@ -223,9 +223,9 @@ class SheetLaw:
 class PlaneLaw:
     """Elastic-plastic solid in plane strain or axisymmetry; stresses in MPa."""
 
-    def __init__(self, young: float, poisson: float, yield_function: YieldFunction, hardening: HardeningLaw, parameters: Sequence[float], *, rate: RateLaw = RateLaw.none, rate_parameters: Mapping[str, float] = {}, chaboche: Chaboche | None = None, yoshida_uemori: YoshidaUemori | None = None, thermal: Thermal | None = None, young_saturated: float = 0.0, young_rate: float = 0.0, expansion: Sequence[float] = [], young_factor: Sequence[float] = [], poisson_curve: Sequence[float] = []) -> None:
+    def __init__(self, young: float, poisson: float, yield_function: YieldFunction, hardening: HardeningLaw, parameters: Sequence[float], *, rate: RateLaw = RateLaw.none, rate_parameters: Mapping[str, float] = {}, chaboche: Chaboche | None = None, yoshida_uemori: YoshidaUemori | None = None, thermal: Thermal | None = None, young_saturated: float = 0.0, young_rate: float = 0.0, expansion: Sequence[float] = [], young_factor: Sequence[float] = [], poisson_curve: Sequence[float] = [], phases: bool = False) -> None:
         """
-        expansion, young_factor, poisson_curve: rows of a temperature and c0, c1, c2 from there on.
+        expansion, young_factor, poisson_curve: rows of a temperature and c0, c1, c2 from there on. phases: whether points may be given a mixture: strain, K phi [1/MPa] and factor on the flow stress, each since the start.
         """
 
     @property
@@ -256,12 +256,12 @@ class PlaneLaw:
         Factor on the flow stress and its slope [s] at equivalent plastic strain rates (n) [1/s].
         """
 
-    def differentiate(self, strain: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], stress: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], history: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, dt: float = 1.0, temperature: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None = None) -> NDArray[numpy.float64]:
+    def differentiate(self, strain: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], stress: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], history: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, dt: float = 1.0, temperature: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None = None, mixture: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None = None) -> NDArray[numpy.float64]:
         """
         d stress/d strain (n, N, N) of update by dual numbers: what its tangent must be.
         """
 
-    def update(self, strain: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], stress: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], history: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, dt: float = 1.0, temperature: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None = None, tangent: bool = True, packed: bool = True) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.uint8]]:
+    def update(self, strain: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], stress: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], history: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, dt: float = 1.0, temperature: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None = None, tangent: bool = True, packed: bool = True, mixture: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None = None) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.uint8]]:
         """
         Advance points by strain increments (n, 4): xx, yy, zz, xy; as SheetLaw.update, without thickness.
         """
@@ -269,9 +269,9 @@ class PlaneLaw:
 class SolidLaw:
     """Elastic-plastic solid in space; stresses in MPa."""
 
-    def __init__(self, young: float, poisson: float, yield_function: YieldFunction, hardening: HardeningLaw, parameters: Sequence[float], *, rate: RateLaw = RateLaw.none, rate_parameters: Mapping[str, float] = {}, chaboche: Chaboche | None = None, yoshida_uemori: YoshidaUemori | None = None, thermal: Thermal | None = None, young_saturated: float = 0.0, young_rate: float = 0.0, expansion: Sequence[float] = [], young_factor: Sequence[float] = [], poisson_curve: Sequence[float] = []) -> None:
+    def __init__(self, young: float, poisson: float, yield_function: YieldFunction, hardening: HardeningLaw, parameters: Sequence[float], *, rate: RateLaw = RateLaw.none, rate_parameters: Mapping[str, float] = {}, chaboche: Chaboche | None = None, yoshida_uemori: YoshidaUemori | None = None, thermal: Thermal | None = None, young_saturated: float = 0.0, young_rate: float = 0.0, expansion: Sequence[float] = [], young_factor: Sequence[float] = [], poisson_curve: Sequence[float] = [], phases: bool = False) -> None:
         """
-        expansion, young_factor, poisson_curve: rows of a temperature and c0, c1, c2 from there on.
+        expansion, young_factor, poisson_curve: rows of a temperature and c0, c1, c2 from there on. phases: whether points may be given a mixture: strain, K phi [1/MPa] and factor on the flow stress, each since the start.
         """
 
     @property
@@ -302,12 +302,12 @@ class SolidLaw:
         Factor on the flow stress and its slope [s] at equivalent plastic strain rates (n) [1/s].
         """
 
-    def differentiate(self, strain: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], stress: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], history: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, dt: float = 1.0, temperature: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None = None) -> NDArray[numpy.float64]:
+    def differentiate(self, strain: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], stress: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], history: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, dt: float = 1.0, temperature: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None = None, mixture: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None = None) -> NDArray[numpy.float64]:
         """
         d stress/d strain (n, N, N) of update by dual numbers: what its tangent must be.
         """
 
-    def update(self, strain: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], stress: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], history: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, dt: float = 1.0, temperature: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None = None, tangent: bool = True, packed: bool = True) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.uint8]]:
+    def update(self, strain: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], stress: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], history: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, dt: float = 1.0, temperature: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None = None, tangent: bool = True, packed: bool = True, mixture: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None = None) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.uint8]]:
         """
         Advance points by strain increments (n, 6): xx, yy, zz, xy, yz, zx; as SheetLaw.update, without thickness.
         """
@@ -517,9 +517,9 @@ def list_history(law: VonMises | AdiabaticMises | SheetLaw | PlaneLaw | SolidLaw
     What a point keeps for a law behind its stress of so many components: name, number of values, and whether these are the directions of its axes (x in the plane, x and y in space), in their order.
     """
 
-def evaluate_block(element: str, connectivity: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], increment: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], law: VonMises | PlaneLaw | SolidLaw | Umat, settings: PointSettings, *, axisymmetric: bool, depth: float, hourglass_fraction: float, pressure: tuple[float, float, float] | None = None, stress_n: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], eqps_n: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], hourglass_n: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], stress: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], eqps: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], hourglass: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], volume: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], force: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], stiffness: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')] | None, symmetric: bool = False, history_n: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None = None, history: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')] | None = None, dt: float = 0.0, first_cell: int = 0, temperature: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None = None, temperature_n: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None = None, when: UmatPlace | None = None, fault: LawFault | None = None) -> int:
+def evaluate_block(element: str, connectivity: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], increment: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], law: VonMises | PlaneLaw | SolidLaw | Umat, settings: PointSettings, *, axisymmetric: bool, depth: float, hourglass_fraction: float, pressure: tuple[float, float, float] | None = None, stress_n: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], eqps_n: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], hourglass_n: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], stress: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], eqps: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], hourglass: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], volume: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], force: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], stiffness: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')] | None, symmetric: bool = False, history_n: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None = None, history: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')] | None = None, dt: float = 0.0, first_cell: int = 0, temperature: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None = None, temperature_n: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None = None, when: UmatPlace | None = None, fault: LawFault | None = None, mixture: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None = None) -> int:
     """
-    Evaluate a block of cells over one increment; fills stress, eqps, hourglass, volume, force and stiffness. history (n_cells, points, n_history) is what the law keeps besides stress and eqps; temperature (n_cells, points) [degrees C] is given at the end of the increment, without it that of the law's start. Returns the index of a cell turned inside out, or -1; what the law told is in fault.
+    Evaluate a block of cells over one increment; fills stress, eqps, hourglass, volume, force and stiffness. history (n_cells, points, n_history) is what the law keeps besides stress and eqps; temperature (n_cells, points) [degrees C] is given at the end of the increment, without it that of the law's start; mixture (n_cells, points, 3) what phases make of a point: strain, K phi [1/MPa], factor on the flow stress. Returns the index of a cell turned inside out, or -1; what the law told is in fault.
     """
 
 def differentiate_cell(element: str, points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], increment: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], along: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], law: VonMises, settings: PointSettings, *, axisymmetric: bool, depth: float, hourglass_fraction: float, pressure: tuple[float, float, float] | None = None, stress_n: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], eqps_n: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], hourglass_n: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64]]:

@@ -157,6 +157,7 @@ class CellArrays(Arrays):
         "history": POINT,
         "volume": ANEW,
         "hourglass": CELL,
+        "mixture": POINT,
     }
     stress: list[FloatArray]
     """Cauchy stress xx, yy, zz, xy (n_cells, p, 4), in space also yz, zx (n_cells, p, 6); of shells xx, yy, xy in the
@@ -178,6 +179,9 @@ class CellArrays(Arrays):
     hourglass: list[FloatArray]
     """Hourglass data of solids (n_cells, 2): hourglass forces of quad4_1pt [N]; how fast flow relaxes the bubble of
     tet4_mini [1/s] and 0; else zero."""
+    mixture: list[FloatArray] = field(default_factory=list)
+    """What the phases of a point make (n_cells, p, 3): strain, K phi [1/MPa] and factor on the flow stress, as
+    law/phase_mixture.py has them; no rows where a material has no phases, no entries in shells."""
     kept: list[History] = field(default_factory=list, metadata={"is_array": False})
     """The parts of `history` by name, as the law of each block declares them."""
 

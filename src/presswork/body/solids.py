@@ -17,6 +17,7 @@ from presswork.body.law_failed import LawFailed, place_increment
 from presswork.body.law_window import LawWindow, note_rates
 from presswork.body.laws_of_solids import gather_law_history, make_law, make_point_settings
 from presswork.body.nodal_pressure import describe_freedom, find_scale
+from presswork.body.phase_mixtures import no_mixture
 from presswork.body.solid_energy import elastic_energy, stress_in_axes
 from presswork.body.turned_inside_out import TurnedInsideOut
 from presswork.evolution.points import find_evolved
@@ -32,6 +33,7 @@ from presswork.law.elastic_plastic import (
     temperature_at_rest,
 )
 from presswork.law.history import EQPS, WORK, list_history
+from presswork.law.phase_mixture import FLOW
 from presswork.model import FloatArray, IntArray, MaskArray, Material, Model
 from presswork.outcome import Step
 from presswork.ranks.assembler import DividedAssembler
@@ -49,6 +51,7 @@ class CellBlock:
     volume: FloatArray
     history: FloatArray
     temperature: FloatArray
+    mixture: FloatArray
 
 
 SolidAssembler = _core.Assembler | _core.SpaceAssembler | _core.MixedAssembler | DividedAssembler
@@ -147,6 +150,7 @@ class Mechanics:
             history=[self._keep_at_rest(i, size) for i, size in enumerate(sizes)],
             volume=[np.zeros(size) for size in sizes],
             hourglass=[np.zeros((size[0], 2)) for size in sizes],
+            mixture=[no_mixture(n, has_phases=self._material(i).phases is not None) for i, n in enumerate(sizes)],
             kept=[list_history(law, components).without(EQPS) for law in self._laws],
         )
         nodes = NodeArrays.at_rest(len(self._model.mesh.points), self.freedoms)
@@ -241,6 +245,7 @@ class Mechanics:
                 when=self._when,
                 dt=dt,
                 fault=fault,
+                mixture=now.mixture if now.mixture.size else None,
             )
             if failed >= 0:
                 return TurnedInsideOut(i, failed)
@@ -251,7 +256,8 @@ class Mechanics:
 
     def _take_block(self, cells: CellArrays, i: int) -> CellBlock:
         """Return the arrays of a block's cells that are evaluated here."""
-        arrays = (cells.stress, cells.eqps, cells.hourglass, cells.volume, cells.history, cells.temperature)
+        given = (cells.temperature, cells.mixture)
+        arrays = (cells.stress, cells.eqps, cells.hourglass, cells.volume, cells.history, *given)
         return CellBlock(*(array[i] for array in arrays))
 
     def _keep_block(self, block: CellBlock, cells: CellArrays, i: int) -> None:
@@ -304,6 +310,8 @@ class Mechanics:
         else:
             rate = state.cells.rate[block].ravel() if state.cells.rate[block].size else None
             flow, _ = law.flow_stress(flat, rate, self.temperature_at_points(state, block))
+            if self._material(block).phases is not None:
+                flow = flow * state.cells.mixture[block][..., FLOW].ravel()
         result: FloatArray = flow.reshape(eqps.shape)
         return result
 
@@ -401,6 +409,8 @@ class Mechanics:
                 stress = stress_in_axes(trial, i) if hardens else trial.cells.stress[i].reshape(len(after), -1)
                 given = (state_n.cells.temperature[i], trial.cells.temperature[i])
                 kept = trial.cells.kept[i].behind(EQPS, 1)
-                work = plastic_work_density(self._material(i), law, kept, before, after, stress, dt, given)
+                mixed = self._material(i).phases is not None
+                factor = [s.cells.mixture[i][..., FLOW].ravel() for s in (state_n, trial)] if mixed else None
+                work = plastic_work_density(self._material(i), law, kept, before, after, stress, dt, given, factor)
                 work = work.reshape(trial.cells.eqps[i].shape)
             yield work * trial.cells.volume[i]

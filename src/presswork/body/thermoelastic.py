@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from presswork.law.history import TEMPERATURE
+from presswork.law.history import PHASE_STRAIN, PHASE_TRIP, TEMPERATURE
 from presswork.law.thermoelastic import find_thermal_strain, find_young_factor
 from presswork.model import FloatArray, Material, Model
 from presswork.state import State
@@ -31,9 +31,9 @@ def find_temperature(material: Material, state: State, block: int) -> FloatArray
 def find_thermal_work(model: Model, state_n: State, trial: State) -> float:
     """Return the work of the stress on thermal strain, and what moduli that fall take off the elastic energy [N mm].
 
-    The change of Poisson's ratio is left out.
+    The change of Poisson's ratio is left out. Strain of phases and transformation plasticity count as well.
     """
-    total = 0.0
+    total = _find_work_of_phases(model, state_n, trial)
     for i, block in enumerate(model.mesh.blocks):
         material = model.materials[block.material]
         if material.thermoelastic is None or material.heating is None:
@@ -49,6 +49,25 @@ def find_thermal_work(model: Model, state_n: State, trial: State) -> float:
         lost = 1.0 - find_young_factor(material.thermoelastic, now) / find_young_factor(material.thermoelastic, before)
         young = material.young * find_young_factor(material.thermoelastic, before)
         total += float(((mean * grown + lost * _energy(material, stress_n, young)) * volume).sum())
+    return total
+
+
+def _find_work_of_phases(model: Model, state_n: State, trial: State) -> float:
+    """Return the work on free growth and transformation plasticity, whose strain is 1.5 K dphi s of the end's s."""
+    total = 0.0
+    for i, block in enumerate(model.mesh.blocks):
+        if model.materials[block.material].phases is None:
+            continue
+        grown, plastic = (
+            trial.cells.find_kept(i, name) - state_n.cells.find_kept(i, name) for name in (PHASE_STRAIN, PHASE_TRIP)
+        )
+        stress = trial.cells.stress[i]
+        mean = 0.5 * (state_n.cells.stress[i] + stress)
+        along = mean[..., :3].sum(axis=-1)
+        deviator = stress[..., :3] - stress[..., :3].mean(axis=-1, keepdims=True)
+        product = (mean[..., :3] * deviator).sum(axis=-1) + 2.0 * (mean[..., 3:] * stress[..., 3:]).sum(axis=-1)
+        work = along * grown + 1.5 * product * np.maximum(plastic, 0.0)
+        total += float((work * trial.cells.volume[i]).sum())
     return total
 
 

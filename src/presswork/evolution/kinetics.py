@@ -17,7 +17,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from presswork.model import FloatArray, IndexArray, Transformation
+from presswork.evolution.time_tables import TimeTable
+from presswork.model import PHASES, FloatArray, IndexArray, Transformation
 
 GAS_CONSTANT = 1.987
 """[cal/(mol K)]."""
@@ -101,6 +102,7 @@ class Kinetics:
         self._times = tuple(
             d * c / 2.0 ** (n * steel.grain_size) for d, c, n in zip(steel.delay, factors, GRAIN, strict=True)
         )
+        self._tables = {PHASES.index(name): TimeTable(rows) for name, rows in steel.times.items()}
         self._most_ferrite = max(0.0, 1.0 - steel.composition.get("C", 0.0) / EUTECTOID)
 
     def at_rest(self, shape: tuple[int, ...]) -> FloatArray:
@@ -112,6 +114,8 @@ class Kinetics:
 
         fractions (4, ...) in the order of PHASES.
         """
+        if self._tables:
+            return self._advance_by_tables(fractions, temperature, dt)
         after = fractions.copy()
         if not self._steel.composition:
             return after
@@ -132,6 +136,19 @@ class Kinetics:
             gone = self._progress.at(part) + dt * rate
             grown = np.maximum(self._progress.part(gone) * capacity - own, 0.0)
             grown = np.minimum(grown, room[forms])
+            after[i][forms] += grown
+            room[forms] -= grown
+        return after
+
+    def _advance_by_tables(self, fractions: FloatArray, temperature: FloatArray, dt: float) -> FloatArray:
+        after, austenite = fractions.copy(), 1.0 - fractions.sum(axis=0)
+        room = austenite.copy()
+        for i, table in self._tables.items():
+            forms = table.forms(temperature) & (austenite > 0.0) & (temperature > self._steel.martensite_start)
+            now, own = temperature[forms], fractions[i][forms]
+            capacity = np.maximum((own + austenite[forms]) * table.most(now), 1e-300)
+            part = table.advance(np.clip(own / capacity, 0.0, 1.0), now, dt)
+            grown = np.clip(part * capacity - own, 0.0, room[forms])
             after[i][forms] += grown
             room[forms] -= grown
         return after

@@ -26,8 +26,8 @@ class PhaseLaw(EvolutionLaw):
     follows_time = True
 
     def __init__(self, steel: Transformation) -> None:
-        self._kinetics, self._composition = Kinetics(steel), steel.composition
-        self.quantities = QUANTITIES if steel.composition else QUANTITIES[:-1]
+        self._kinetics, self._composition, self._hardness = Kinetics(steel), steel.composition, steel.hardness
+        self.quantities = QUANTITIES if steel.composition or steel.hardness else QUANTITIES[:-1]
 
     def advance(self, values: Mapping[str, FloatArray], change: PointChange) -> dict[str, FloatArray]:
         """Return the values at the end of an increment: those of before where no temperature is known."""
@@ -40,6 +40,9 @@ class PhaseLaw(EvolutionLaw):
         passed = (before > HARDNESS_AT) & (after <= HARDNESS_AT)
         rate = np.where(passed, (before - after) / change.dt, values[COOLING_RATE.name])
         found = dict(zip(PHASES, fractions, strict=True)) | {COOLING_RATE.name: rate}
-        if self._composition:
+        if self._hardness:
+            shares = np.concatenate([1.0 - fractions.sum(axis=0, keepdims=True), fractions])
+            found[HARDNESS.name] = np.asarray(np.tensordot(self._hardness, shares, axes=1))
+        elif self._composition:
             found[HARDNESS.name] = find_hardness(self._composition, fractions, rate)
         return found

@@ -12,6 +12,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from presswork.body.phase_mixtures import PhaseMixtures
 from presswork.body.solids import Mechanics
 from presswork.implicit.heat_of_forming import HeatArrays, HeatOfForming
 from presswork.implicit.newton import Augmentation
@@ -44,6 +45,8 @@ class HeatOfIncrements:
         self.passes: list[tuple[State, Sequence[Augmentation]]] = []
         """Where the last increment was in equilibrium, each time before heat was found, and where it took over
         multipliers before; kept for followers of the run."""
+        self.mixtures = PhaseMixtures(model)
+        """What the phases of a steel make of its points."""
         self._fraction = model.heat.plastic_fraction
         self._across = {name: tool.gap for name, tool in model.heat.tools.items()}
         self._contacts = {contact.name: contact for contact in model.contacts}
@@ -64,6 +67,7 @@ class HeatOfIncrements:
         for i, given in enumerate(trial.cells.temperature):
             if given.size:
                 trial.cells.temperature[i] = self.forming.to_points(i, arrays.temperature + dt * arrays.rate)
+        self.mixtures.find(state_n, trial, dt)
 
     def rest(self, state: State, duration: float) -> HeatArrays:
         """Return the arrays after a time [s] in which the tools with meshes lie open without a workpiece.
@@ -83,6 +87,7 @@ class HeatOfIncrements:
         trial.replace(found)
         before = list(trial.cells.temperature)
         self.spread(trial)
+        self.mixtures.find(state_n, trial, dt)
         pairs = zip(before, trial.cells.temperature, strict=True)
         return max((float(np.abs(a - b).max()) for a, b in pairs if a.size), default=0.0)
 
@@ -124,6 +129,7 @@ class HeatOfIncrements:
             gap=gap,
             plastic=list(self._cells.plastic_heat_at_points(state_n, trial, dt, self._fraction)),
             friction_work=friction_work,
+            stage=step.stage,
             between=self._show_bodies(state_n, trial),
         )
 

@@ -126,6 +126,8 @@ class ImplicitProcedure:
             state.add(self.sheet_heat.at_rest())
             self.sheet_heat.spread(state)
         keep_temperatures(self.model, state)
+        if self.heat is not None:
+            self.heat.mixtures.begin(state)
         if self.evolution.names:
             state.add(self.evolution.at_rest(state))
         return state

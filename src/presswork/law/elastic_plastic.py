@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TypedDict
 
 import numpy as np
@@ -47,12 +47,18 @@ def make_sheet_law(material: Material) -> _core.SheetLaw:
 
 def make_plane_law(material: Material) -> _core.PlaneLaw:
     """Return the compiled law in plane strain and axisymmetry. Raises ValueError for a function of plane stress."""
-    return _core.PlaneLaw(**_arguments_of_solid(material))
+    return _core.PlaneLaw(**_arguments_of_solid(material), phases=material.phases is not None)
 
 
 def make_solid_law(material: Material) -> _core.SolidLaw:
     """Return the compiled law in space. Raises ValueError for a yield function of plane stress alone."""
-    return _core.SolidLaw(**_arguments_of_solid(material))
+    return _core.SolidLaw(**_arguments_of_solid(material), phases=material.phases is not None)
+
+
+def make_hardening_law(material: Material) -> _core.VonMises:
+    """Return a law whose flow stress is the hardening of a material alone."""
+    assert material.hardening is not None
+    return _core.VonMises(material.young, material.poisson, *make_hardening(material.hardening))
 
 
 def first_flow_stress(material: Material) -> float:
@@ -82,7 +88,8 @@ def is_hot(material: Material) -> bool:
 
 def depends_on_temperature(material: Material) -> bool:
     """Return whether the law must know its temperature."""
-    return is_hot(material) or material.heating is not None or material.thermoelastic is not None
+    asks = (material.heating, material.thermoelastic, material.phases)
+    return is_hot(material) or any(part is not None for part in asks)
 
 
 def depends_on_rate(material: Material) -> bool:
@@ -158,13 +165,14 @@ def plastic_work_density(
     stress: FloatArray,
     dt: float,
     given: tuple[FloatArray, FloatArray],
+    factor: Sequence[FloatArray] | None = None,
 ) -> FloatArray:
     """Return the plastic work of an increment over dt [s] per volume (n,) [MPa], by the trapezoidal rule.
 
     With dp the increment of equivalent plastic strain and g the gradient of the yield function at its end: the mean
     flow stress times dp, and the mean back stress times g dp. history (n, n_history): what the law keeps behind the
     stress, as kept names it; stress (n, components): at the end, in the law's axes; given: temperatures (n,) before and
-    after.
+    after; factor: on the flow stress before and after (n,).
     """
     components = stress.shape[-1]
     dp = kept.of(EQPS, history) - kept.of(EQPS, history_n)
@@ -173,6 +181,8 @@ def plastic_work_density(
         law.flow_stress(np.ascontiguousarray(kept.of(EQPS, h)), rate, temperature(material, kept, h, t))[0]
         for h, t in zip((history_n, history), given, strict=True)
     ]
+    if factor is not None:
+        ends = [flow * part for flow, part in zip(ends, factor, strict=True)]
     work = 0.5 * (ends[0] + ends[1]) * dp
     if material.kinematic is not None:
         before, after = (back_stress(kept, h, components) for h in (history_n, history))

@@ -18,6 +18,8 @@ STRESS = "stress"
 EQPS, RISE, AXES, BACK_STRESS, TEMPERATURE = "eqps", "rise", "axes", "back_stress", "temperature"
 """Equivalent plastic strain; rise of temperature by plastic work [K]; directions of the law's axes; parts of the back
 stress [MPa]; temperature of the last increment less that of the start [K]."""
+PHASE_STRAIN, PHASE_TRIP = "phase_strain", "phase_trip"
+"""Strain of free growth, and sum of K phi [1/MPa], of the mixture of phases of the last increment."""
 POROSITY, GROWN = "porosity", "grown"
 """Names of the history of a metal with pores: porosity, and the plastic strain that the metal has gained since it was
 last averaged."""

@@ -15,13 +15,18 @@ def make_curves(data: Thermoelastic | None) -> tuple[list[float], list[float], l
     """
     if data is None:
         return [], [], []
-    expansion = [] if data.expansion is None else _expand(data.expansion, data.secant_from)
+    expansion = [] if data.expansion is None else expand(data.expansion, data.secant_from)
     return expansion, _join(data.young_factor), _join(data.poisson)
 
 
 def find_thermal_strain(data: Thermoelastic, temperature: FloatArray) -> FloatArray:
     """Return the thermal strain at temperatures [degrees C], from one of no meaning on: differences count."""
-    return _evaluate(make_curves(data)[0], temperature, 0.0)
+    return find_strain(make_curves(data)[0], temperature)
+
+
+def find_strain(curve: list[float], temperature: FloatArray) -> FloatArray:
+    """Return the strain of a curve at temperatures [degrees C]."""
+    return _evaluate(curve, temperature, 0.0)
 
 
 def find_young_factor(data: Thermoelastic | None, temperature: FloatArray) -> FloatArray:
@@ -55,8 +60,11 @@ def _join(rows: FloatArray | None) -> list[float]:
     return [float(x) for row in first + between + last for x in row]
 
 
-def _expand(rows: FloatArray, secant_from: float | None) -> list[float]:
-    """Thermal strain of a coefficient with straight lines between rows, constant beyond; zero anywhere."""
+def expand(rows: FloatArray, secant_from: float | None) -> list[float]:
+    """Return the curve of thermal strain of a coefficient with straight lines between rows, constant beyond.
+
+    It is zero anywhere.
+    """
     t, a = rows.T
     slopes = np.concatenate([[0.0], np.diff(a) / np.diff(t), [0.0]])
     starts, values = np.concatenate([[t[0]], t]), np.concatenate([[a[0]], a])

@@ -130,7 +130,7 @@ from presswork.model.tool import (
     ToolKind,
     Triangulation,
 )
-from presswork.model.transformation import ELEMENTS_OF_STEEL, PHASES, Transformation
+from presswork.model.transformation import ELEMENTS_OF_STEEL, PHASES, Phase, PhaseMechanics, Transformation
 
 __all__ = [
     "BY_PRESSURE",
@@ -221,6 +221,8 @@ __all__ = [
     "PartBead",
     "PartPlace",
     "PartSection",
+    "Phase",
+    "PhaseMechanics",
     "Plane",
     "PointForce",
     "PowerLaw",

@@ -15,7 +15,7 @@ from presswork.model.arrays import FloatArray
 from presswork.model.grain import Grain
 from presswork.model.gtn import Gtn
 from presswork.model.heat import Thermal
-from presswork.model.transformation import Transformation
+from presswork.model.transformation import PhaseMechanics, Transformation
 
 UmatJacobian = Literal["stress_increment", "jaumann_kirchhoff"]
 NEVER = 1e3
@@ -221,6 +221,11 @@ class Material:
     """What austenite becomes on cooling; None: nothing is computed."""
     formability: Formability = field(default_factory=Formability)
     """Forming limit that the strains of a sheet are compared with."""
+
+    @property
+    def phases(self) -> PhaseMechanics | None:
+        """How its phases strain and yield, where they differ."""
+        return self.transformation.mechanics if self.transformation is not None else None
 
     @property
     def is_elastic(self) -> bool:

@@ -6,10 +6,38 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from presswork.model.arrays import FloatArray
+
 PHASES = ("ferrite", "pearlite", "bainite", "martensite")
 """What austenite becomes; the rest of a point is austenite."""
 ELEMENTS_OF_STEEL = ("C", "Mn", "Si", "Ni", "Cr", "Mo")
 """Elements that the kinetics know of."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Phase:
+    """How a phase expands and yields; rows of temperature [degrees C] and value (n, 2), constant beyond."""
+
+    expansion: FloatArray
+    """Coefficient of thermal expansion [1/K]."""
+    strain: float = 0.0
+    """How much longer it is than austenite at the reference temperature."""
+    yield_stress: FloatArray | None = None
+    """Flow stress without plastic strain [MPa]; None: the phases do not differ."""
+    trip: float = 0.0
+    """Coefficient K of transformation plasticity as it forms [1/MPa]."""
+    hardness: float | None = None
+    """[HV]; None: by the composition."""
+
+
+@dataclass(frozen=True)
+class PhaseMechanics:
+    """What the phases of a steel do to strain and flow stress."""
+
+    phases: tuple[Phase, ...]
+    """Austenite, then PHASES."""
+    reference: float = 20.0
+    """Temperature at which lengths are compared [degrees C]."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,3 +61,22 @@ class Transformation:
     boron."""
     latent_heat: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
     """Set free by PHASES [mm2/s2]."""
+    times: Mapping[str, FloatArray] = field(default_factory=dict)
+    """Times of ferrite, pearlite or bainite, instead of the kinetics by composition: rows of temperature [degrees C],
+    times in which 1 and 99 per cent of what forms have formed [s], and the part of austenite that forms (n, 4)."""
+    mechanics: PhaseMechanics | None = None
+    """None: the phases differ neither in strain nor in flow stress."""
+
+    @property
+    def forming(self) -> tuple[str, ...]:
+        """The PHASES that austenite can become."""
+        if self.times:
+            return tuple(name for name in PHASES if name in self.times or name == "martensite")
+        return PHASES if self.composition else ("martensite",)
+
+    @property
+    def hardness(self) -> tuple[float, ...] | None:
+        """Hardness of austenite and PHASES where it is given [HV]."""
+        given = [phase.hardness for phase in self.mechanics.phases] if self.mechanics else []
+        found = tuple(value for value in given if value is not None)
+        return found if len(found) == 1 + len(PHASES) else None

@@ -65,6 +65,8 @@ def describe_heat_of_forming(problem: model.Model, heat: model.Heat) -> Iterator
             f"free surfaces: emissivity {around.emissivity:g}, {1e3 * around.coefficient:g} W/(m2 K) to "
             f"{around.ambient:g} °C"
         )
+    for stage in problem.stages:
+        yield from (f"stage {stage.name}: {line}" for line in (describe_films(stage.heat) if stage.heat else ()))
 
 
 def describe_films(stage: model.HeatStage, contacts: Sequence[str] = ()) -> Iterator[str]:

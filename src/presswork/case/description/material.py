@@ -128,6 +128,19 @@ def _describe_hardening(hardening: model.Hardening) -> str:
 
 def _describe_transformation(steel: model.Transformation) -> str:
     """Name the temperatures at which phases begin to form."""
+    text = _describe_kinetics(steel)
+    if steel.mechanics is not None:
+        text += ", with strain" + (" and flow stress" if steel.mechanics.phases[0].yield_stress is not None else "")
+        text += " by phase"
+        trip = max(phase.trip for phase in steel.mechanics.phases)
+        text += f", transformation plasticity up to {trip:g} 1/MPa" if trip else ""
+    return text
+
+
+def _describe_kinetics(steel: model.Transformation) -> str:
+    if steel.times:
+        tables = ", ".join(steel.times)
+        return f"transforms on cooling: {tables} by times, martensite from {steel.martensite_start:.0f} °C on"
     if not steel.composition:
         return f"martensite from {steel.martensite_start:.0f} °C on"
     return (

@@ -3,10 +3,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from pydantic import Field
 
 from presswork import model
-from presswork.case.heat.quantities import HeatFluxByTime, HeatTransferTable, TemperatureByTime, to_array
+from presswork.case.heat.quantities import HeatFluxByTime, HeatTransferTable, Temperature, TemperatureByTime, to_array
 from presswork.case.part import Part
 from presswork.case.units import Number
 
@@ -50,6 +52,27 @@ class Convection(Part):
     def to_model(self) -> model.Convection:
         """Return the Model's."""
         return model.Convection(self.set, to_array(self.coefficient), to_array(self.ambient))
+
+
+class FormingConvection(Part):
+    """What a zone of a body's surface is cooled by in a stage of forming, in place of [heat.surroundings]."""
+
+    set: str = Field(description="name of a set of edges, in space of faces; boundary is the whole surface")
+    coefficient: HeatTransferTable = Field(
+        description='coefficient of heat transfer [N/(mm s K)], e.g. "2000 W/(m^2*K)", or rows '
+        "[temperature of the surface, coefficient]"
+    )
+    ambient: Temperature = Field(description="temperature of the medium [degrees C]")
+
+    def to_model(self) -> model.Convection:
+        """Return the Model's."""
+        ambient = to_array(((0.0, self.ambient),))
+        return model.Convection(self.set, to_array(self.coefficient), ambient)
+
+
+def build_zones(zones: Sequence[FormingConvection]) -> model.HeatStage | None:
+    """Return what cools zones in a stage of forming, or None."""
+    return model.HeatStage(convections=tuple(zone.to_model() for zone in zones)) if zones else None
 
 
 class Radiation(Part):

@@ -149,5 +149,6 @@ class FormingHeat(Part):
     max_change: Number = Field(
         default=model.Heat.max_change,
         gt=0,
-        description="implicit: largest change of a temperature given to a law in an increment, to which it is cut [K]",
+        description="implicit: largest change of a temperature given to a law in an increment, to which it is cut [K]; "
+        "without it 15 where phases have strain",
     )

@@ -15,6 +15,9 @@ from presswork.case.heat.quantities import to_array
 from presswork.case.material.umat import UmatMaterial
 from presswork.law.elastic_plastic import depends_on_temperature
 
+WITH_PHASES = 15.0
+"""Largest change of a temperature in an increment where phases have strain [K]: a sixth of the martensite."""
+
 if TYPE_CHECKING:
     from presswork.case.plane import schema
     from presswork.case.space.schema import SpaceCase
@@ -47,7 +50,7 @@ def make_heat(
         },
         plastic_fraction=heat.plastic_fraction,
         tolerance=heat.tolerance,
-        max_change=heat.max_change,
+        max_change=_find_max_change(case, heat),
         effusivity=tuple(
             find_effusivity(case.materials[part.material], start) for part, start in zip(parts, initial, strict=True)
         ),
@@ -61,6 +64,13 @@ def make_heat(
             for name, entry in case.contacts.items()
         ),
     )
+
+
+def _find_max_change(case: schema.Case | SpaceCase, heat: FormingHeat) -> float:
+    """Return the largest change of a temperature in an increment [K]: less where phases strain."""
+    steels = [getattr(material, "transformation", None) for material in case.materials.values()]
+    strained = any(steel is not None and steel.phases is not None for steel in steels)
+    return WITH_PHASES if strained and "max_change" not in heat.model_fields_set else heat.max_change
 
 
 def find_effusivity(material: schema.Material | UmatMaterial, temperature: float) -> float:

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from presswork.case.errors import Problem
@@ -12,6 +12,7 @@ from presswork.case.material.umat import UmatMaterial
 
 if TYPE_CHECKING:
     from presswork.case.plane import schema
+    from presswork.case.space.schema import SpaceCase, SpaceStage
 
 
 def check_heat(case: schema.Case) -> Iterator[Problem]:
@@ -35,15 +36,7 @@ def check_heat(case: schema.Case) -> Iterator[Problem]:
         if melting is not None and start >= melting:
             fault_text = f"not below the melting temperature of {part.material}, {melting:g} degrees C"
             yield Problem(key, fault_text, "lower it", start)
-        steel = getattr(material, "transformation", None)
-        if steel is not None:
-            yield from check_austenite(steel, key, start)
-            if material is not None and material.thermal is not None and material.thermal.latent_heat is not None:
-                latent, text = (
-                    f"materials.{part.material}.thermal.latent_heat",
-                    "the transformation has a latent heat, too",
-                )
-                yield Problem(latent, text, "remove it, or the transformation")
+        yield from check_steel(material, part.material, key, start)
     for index, stage in enumerate(case.stages):
         if stage.velocity is None and stage.press is None and "duration" not in stage.model_fields_set:
             remedy = "add it, in seconds, or velocity, or press"
@@ -61,8 +54,33 @@ def _check_explicit(case: schema.Case) -> Iterator[Problem]:
             yield Problem(f"materials.{name}.umat", umat, 'give a law of presswork, or set procedure = "implicit"')
     if case.series is not None:
         yield Problem("series", fault_text, remedy)
+    yield from check_explicit_treatment(case)
     if case.heat is not None and "max_change" in case.heat.model_fields_set:
         yield Problem("heat.max_change", "is for the implicit procedure", "take more rows: output.rows")
+
+
+def check_explicit_treatment(case: schema.Case | SpaceCase) -> Iterator[Problem]:
+    """Yield what of heat treatment the explicit procedure does not do."""
+    fault_text, remedy = "is for the implicit procedure alone", 'leave it out, or set procedure = "implicit"'
+    for name, material in case.materials.items():
+        steel = getattr(material, "transformation", None)
+        if steel is not None and steel.phases is not None:
+            yield Problem(f"materials.{name}.transformation.phases", fault_text, remedy)
+    stages: Sequence[schema.Stage | SpaceStage] = case.stages
+    for index, stage in enumerate(stages):
+        if stage.convection:
+            yield Problem(f"stages.{index}.convection", fault_text, remedy)
+
+
+def check_steel(material: object, name: str, key: str, start: float) -> Iterator[Problem]:
+    """Yield the problems of a body's transformation; key: of the temperature at its start [degrees C]."""
+    steel, thermal = getattr(material, "transformation", None), getattr(material, "thermal", None)
+    if steel is None:
+        return
+    yield from check_austenite(steel, key, start)
+    if thermal is not None and thermal.latent_heat is not None:
+        latent = f"materials.{name}.thermal.latent_heat"
+        yield Problem(latent, "the transformation has a latent heat, too", "remove it, or the transformation")
 
 
 def _has_thermal(material: object) -> bool:
@@ -79,6 +97,7 @@ def _check_no_heat(case: schema.Case) -> Iterator[Problem]:
     keys += [
         f"materials.{name}.transformation" for name, m in case.materials.items() if getattr(m, "transformation", None)
     ]
+    keys += [f"stages.{index}.convection" for index, stage in enumerate(case.stages) if stage.convection]
     keys += ["workpiece.initial_temperature"] if case.workpiece.initial_temperature is not None else []
     keys += [f"bodies.{n}.initial_temperature" for n, b in case.bodies.items() if b.initial_temperature is not None]
     for key in keys:

@@ -13,6 +13,8 @@ from pydantic import Field, model_validator
 from presswork import model
 from presswork.case.errors import Problem
 from presswork.case.heat.quantities import Temperature
+from presswork.case.material.phases import Phases
+from presswork.case.material.time_tables import TimeTables
 from presswork.case.part import Part
 from presswork.case.units import HeatOfMass, Number, fault
 
@@ -72,6 +74,12 @@ class Transformation(Part):
         description='heat set free by ferrite, pearlite and bainite, and by martensite [mm^2/s^2]; e.g. ["75 kJ/kg", '
         '"82 kJ/kg"]',
     )
+    times: TimeTables | None = Field(
+        default=None, description="isothermal transformation (TTT) by tables, instead of the kinetics by composition"
+    )
+    phases: Phases | None = Field(
+        default=None, description="strain and yield stress by phase, for distortion and residual stress of solids"
+    )
 
     @model_validator(mode="after")
     def _check(self) -> Self:
@@ -88,11 +96,19 @@ class Transformation(Part):
             )
         if min(self.latent_heat) < 0:
             raise fault("a transformation on cooling sets heat free", "give values >= 0", key="latent_heat")
+        if self.times is not None and self.steel is not None:
+            raise fault("steel and times both give kinetics", "give composition in place of steel", key="times")
         made = self.to_model()
+        if self.times is not None:
+            self.times.check_above(made.martensite_start)
         starts = (made.martensite_start, made.bainite_start, made.pearlite_start, made.ferrite_start)
-        if made.composition and any(b <= a for a, b in itertools.pairwise(starts)):
+        if made.composition and not made.times and any(b <= a for a, b in itertools.pairwise(starts)):
             listed = ", ".join(f"{value:.0f}" for value in starts)
             raise fault(f"Ms, Bs, Ae1 and Ae3 do not increase: {listed} degrees C", "check what is given", key="ms")
+        lacking = self.phases.find_missing(made) if self.phases else None
+        if lacking is not None:
+            remedy = f"add {lacking} = {{expansion = 1.4e-5, strain = 0.008}}"
+            raise fault("missing key: it forms by the kinetics", remedy, key=f"phases.{lacking}")
         return self
 
     def find_composition(self) -> dict[str, float]:
@@ -101,6 +117,14 @@ class Transformation(Part):
 
     def to_model(self) -> model.Transformation:
         """Return the Model's."""
+        mechanics = self.phases.to_model() if self.phases else None
+        made = replace(self._find_kinetics(), mechanics=mechanics)
+        if self.times is None:
+            return made
+        start = made.ferrite_start or self.times.hottest if self.ae3 is None else self.ae3
+        return replace(made, times=self.times.to_model(), ferrite_start=start)
+
+    def _find_kinetics(self) -> model.Transformation:
         composition = self.find_composition()
         slow, fast = self.latent_heat
         own = self.ms

@@ -18,6 +18,7 @@ import numpy as np
 from presswork import model
 from presswork.case.errors import CaseError, Problem
 from presswork.case.gravity import find_gravity
+from presswork.case.heat.films import build_zones
 from presswork.case.heat.forming_builder import build_heat, start_hot
 from presswork.case.held_stages import list_released
 from presswork.case.marked_points import build_points
@@ -291,5 +292,6 @@ def _build_stage(stage: schema.Stage, case: schema.Case, area_of: Callable[[str]
         ),
         forces=tuple(model.PointForce(entry.set, entry.value) for entry in stage.force),
         pressures=tuple(model.Pressure(entry.set, entry.value) for entry in stage.pressure),
+        heat=build_zones(stage.convection),
         edge_forces=tuple(_build_edge_force(entry, area_of(entry.set)) for entry in stage.edge_force),
     )

@@ -199,6 +199,7 @@ def check_sets(case: schema.Case, mesh: model.Mesh) -> list[Problem]:
         uses += [(f"{key}.force.{row}.set", load.set, False) for row, load in enumerate(stage.force)]
         uses += [(f"{key}.edge_force.{row}.set", load.set, True) for row, load in enumerate(stage.edge_force)]
         uses += [(f"{key}.pressure.{row}.set", load.set, True) for row, load in enumerate(stage.pressure)]
+        uses += [(f"{key}.convection.{row}.set", zone.set, True) for row, zone in enumerate(stage.convection)]
     return check_set_names(uses, mesh)
 
 

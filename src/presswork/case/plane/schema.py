@@ -28,6 +28,7 @@ from presswork.case.case_file import CaseFile
 from presswork.case.gradients import Gradients
 from presswork.case.gravity import DESCRIPTION as GRAVITY
 from presswork.case.gravity import Gravity
+from presswork.case.heat.films import FormingConvection
 from presswork.case.heat.forming import FormingHeat
 from presswork.case.heat.series import Series
 from presswork.case.heat.thermal import Thermal
@@ -38,6 +39,7 @@ from presswork.case.material.grain import Grain
 from presswork.case.material.gtn import Gtn
 from presswork.case.material.heating import require_density
 from presswork.case.material.library import add_library_materials, take_named
+from presswork.case.material.phases import check_phases
 from presswork.case.material.plastic import PlasticLaws
 from presswork.case.material.transformation import Transformation
 from presswork.case.material.umat import UmatMaterial, kind_of_material
@@ -122,6 +124,7 @@ class Material(PlasticLaws):
         require_density(self.density)
         if self.heating is not None and self.heating.heat_capacity is not None and self.density is None:
             raise fault("missing key", 'add it: plastic work heats by it; steel has "7850 kg/m^3"', key="density")
+        check_phases(self.transformation.phases if self.transformation else None, self)
         return self
 
 
@@ -257,6 +260,9 @@ class Stage(Part):
     force: tuple[NodeForce, ...] = Field(default=(), description="forces")
     edge_force: tuple[EdgeForce, ...] = Field(default=(), description="forces along edges, spread by area")
     pressure: tuple[Pressure, ...] = Field(default=(), description="pressures")
+    convection: tuple[FormingConvection, ...] = Field(
+        default=(), description="implicit: media that cool zones of the surface, with [heat]; of two the later one"
+    )
 
     @model_validator(mode="after")
     def _check_velocity(self) -> Self:

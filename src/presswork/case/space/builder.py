@@ -12,6 +12,7 @@ import numpy as np
 from presswork import model
 from presswork.case.errors import CaseError, Problem, suggest
 from presswork.case.gravity import find_gravity
+from presswork.case.heat.films import build_zones
 from presswork.case.heat.forming_builder import start_hot
 from presswork.case.held_stages import check_held_stages, list_released, releases
 from presswork.case.marked_points import build_points
@@ -254,6 +255,7 @@ def _check_sets(case: SpaceCase, mesh: model.Mesh) -> list[Problem]:
         uses += [(f"{key}.force.{row}.set", load.set, False) for row, load in enumerate(stage.force)]
         uses += [(f"{key}.face_force.{row}.set", load.set, True) for row, load in enumerate(stage.face_force)]
         uses += [(f"{key}.pressure.{row}.set", load.set, True) for row, load in enumerate(stage.pressure)]
+        uses += [(f"{key}.convection.{row}.set", zone.set, True) for row, zone in enumerate(stage.convection)]
     return check_set_names(uses, mesh, sides="face")
 
 
@@ -301,6 +303,7 @@ def _build_stage(stage: SpaceStage, case: SpaceCase, mesh: model.Mesh) -> model.
         forces=tuple(model.PointForce(entry.set, entry.value) for entry in stage.force),
         face_forces=tuple(_build_face_force(entry, mesh) for entry in stage.face_force),
         face_pressures=tuple(model.FacePressure(entry.set, entry.value) for entry in stage.pressure),
+        heat=build_zones(stage.convection),
     )
 
 

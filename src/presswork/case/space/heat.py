@@ -9,7 +9,7 @@ from presswork import model
 from presswork.case.errors import Problem
 from presswork.case.heat.forming import FormingHeat
 from presswork.case.heat.forming_builder import make_heat
-from presswork.case.heat.forming_checks import check_material
+from presswork.case.heat.forming_checks import check_explicit_treatment, check_material, check_steel
 from presswork.case.material.umat import UmatMaterial
 from presswork.case.space.schema import SpaceCase, SpaceWorkpiece
 
@@ -25,7 +25,10 @@ def check_space_heat(case: SpaceCase) -> Iterator[Problem]:
         remedy = "add [heat] with initial_temperature, or remove it"
         for key in (name for name, material in case.materials.items() if material.thermal is not None):
             yield Problem(f"materials.{key}.thermal", "has no meaning without [heat]", remedy)
-        keys = [f"tools.{name}.heat" for name, tool in case.tools.items() if tool.heat is not None]
+        steels = [name for name, material in case.materials.items() if getattr(material, "transformation", None)]
+        keys = [f"materials.{name}.transformation" for name in steels]
+        keys += [f"stages.{index}.convection" for index, stage in enumerate(case.stages) if stage.convection]
+        keys += [f"tools.{name}.heat" for name, tool in case.tools.items() if tool.heat is not None]
         keys += [f"contacts.{name}.heat" for name, contact in case.contacts.items() if contact.heat is not None]
         keys += ["workpiece.initial_temperature"] if case.workpiece.initial_temperature is not None else []
         keys += [f"bodies.{n}.initial_temperature" for n, b in case.bodies.items() if b.initial_temperature is not None]
@@ -42,6 +45,8 @@ def check_space_heat(case: SpaceCase) -> Iterator[Problem]:
         if tool.heat is not None and tool.heat.mesh is not None:
             fault = "tools have meshes in the plane and in axisymmetry alone"
             yield Problem(f"tools.{key}.heat.mesh", fault, "leave it out; warms_up = true heats the steel behind nodes")
+    if case.procedure == "explicit":
+        yield from check_explicit_treatment(case)
     if case.solver.displacements == "small":
         yield Problem("heat", "heat in forming is for large displacements", "leave [heat] out")
     for index, stage in enumerate(case.stages):
@@ -68,7 +73,8 @@ def _check_body(case: SpaceCase, heat: FormingHeat, key: str, part: SpaceWorkpie
         material.heating if material is not None else None,
         heat.initial_temperature if own is None else own,
     )
+    where = "heat.initial_temperature" if own is None else f"{key}.initial_temperature"
+    yield from check_steel(material, part.material, where, start)
     if heating is not None and heating.melting is not None and start >= heating.melting:
-        where = "heat.initial_temperature" if own is None else f"{key}.initial_temperature"
         fault = f"not below the melting temperature of {part.material}, {heating.melting:g} degrees C"
         yield Problem(where, fault, "lower it", start)

@@ -13,6 +13,7 @@ from presswork.case.case_file import CaseFile
 from presswork.case.gradients import Gradients
 from presswork.case.gravity import DESCRIPTION as GRAVITY
 from presswork.case.gravity import Gravity3
+from presswork.case.heat.films import FormingConvection
 from presswork.case.heat.forming import FormingHeat
 from presswork.case.heat.quantities import Temperature
 from presswork.case.held_stages import StagedBoundary
@@ -153,6 +154,9 @@ class SpaceStage(Part):
     force: tuple[SpaceForce, ...] = Field(default=(), description="forces")
     face_force: tuple[FaceForce, ...] = Field(default=(), description="forces on faces, spread by area")
     pressure: tuple[FacePressure, ...] = Field(default=(), description="pressures")
+    convection: tuple[FormingConvection, ...] = Field(
+        default=(), description="implicit: media that cool zones of the surface, with [heat]; of two the later one"
+    )
 
     @model_validator(mode="after")
     def _check_velocity(self) -> Self:

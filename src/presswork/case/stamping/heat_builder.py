@@ -109,6 +109,9 @@ def _check_material(case: StampingCase) -> Iterator[Problem]:
     if material.thermal is not None and material.thermal.latent_heat is not None:
         text = "the transformation has a latent heat, too"
         yield Problem(f"materials.{name}.thermal.latent_heat", text, "remove it, or the transformation")
+    if material.transformation.phases is not None:
+        text = "strain and yield stress by phase are for solids"
+        yield Problem(f"materials.{name}.transformation.phases", text, "leave it out")
     yield from check_austenite(material.transformation, "heat.initial_temperature", start)
 
 

@@ -46,6 +46,8 @@ class FormingInstant:
     """Heat of plastic work at the points of each block (n_cells, p) [N mm]."""
     friction_work: FloatArray
     """Work that friction on tools has taken at the nodes (n_tools, n_points) [N mm]."""
+    stage: int = 0
+    """Number of the stage."""
     between: BetweenBodies = field(default_factory=lambda: BetweenBodies({}, {}, np.zeros((0, 2)), 0.0))
 
 

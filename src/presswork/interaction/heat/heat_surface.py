@@ -16,7 +16,14 @@ from presswork import _core
 from presswork.body.heat import sum_at_nodes
 from presswork.geometry.pose import ToolPose
 from presswork.interaction.heat.forming_instant import FormingInstant
-from presswork.interaction.heat.heat_films import Film, PairFilm, interpolate, make_surroundings, measure_sides
+from presswork.interaction.heat.heat_films import (
+    ConvectionFilm,
+    Film,
+    PairFilm,
+    interpolate,
+    make_surroundings,
+    measure_sides,
+)
 from presswork.interaction.heat.meshed_dies import Die, MeshedDies
 from presswork.mesh.facing import find_facing, measure_lengths, split_edges, sum_pairs
 from presswork.model import BodyContact, BoolArray, FloatArray, Heat, HeatContact, IntArray, Model, ToolHeat
@@ -103,6 +110,7 @@ class HeatSurface:
                 touches.append(Touch(t, heat, nodes, area, conductance))
             if heat.die is not None:
                 links[t] = self._link(t, heat, now.gap[t], points, np.asarray(touching), np.asarray(pressure))
+        zones = self._find_zones(now.stage, seen, len(points))
         area = sum_at_nodes(self._edges, seen, len(points))
         for die in self._dies.dies:
             area += self._measure_profile(die, now.poses[die.tool], points)
@@ -114,7 +122,25 @@ class HeatSurface:
                 area = area - sum_at_nodes(side, meeting.area, len(points))
         area = np.maximum(area, 0.0)
         around = self._heat.surroundings
-        return SurfaceNow(touches, meetings, links, make_surroundings(around, area) if around else [])
+        around_now = make_surroundings(around, area) if around else []
+        return SurfaceNow(touches, meetings, links, [*around_now, *zones])
+
+    def _find_zones(self, stage: int, seen: FloatArray, n_points: int) -> list[Film]:
+        """Return the films of a stage on zones, and take their sides out of what the surroundings see (n_edges, n)."""
+        films: list[Film] = []
+        given = self._model.stages[stage].heat
+        for convection in reversed(given.convections if given else ()):
+            zone = self._is_in(convection.side_set)
+            films.append(ConvectionFilm(convection, sum_at_nodes(self._edges[zone], seen[zone], n_points)))
+            seen[zone] = 0.0
+        return films
+
+    def _is_in(self, name: str) -> BoolArray:
+        """Return which open sides belong to a set of sides."""
+        mesh = self._model.mesh
+        sets = mesh.face_sets if self._model.analysis == "solid" else mesh.edge_sets
+        own = {tuple(sorted(side)) for side in sets[name].tolist()}
+        return np.array([tuple(sorted(side)) in own for side in self._edges.tolist()], dtype=bool)
 
     def _measure_profile(self, die: Die, pose: ToolPose, points: FloatArray) -> FloatArray:
         """Return the area of a die's profile that each node stands for (n_points,) [mm2].
