@@ -38,6 +38,8 @@ class BodyContact:
     mu: float = 0.0
     keeps_slave: bool = False
     """Whether the case names the slave; else it is chosen anew with every mesh (choose_slave)."""
+    joint: bool = False
+    """Whether interlock, neck and bottom of a joint of the two are measured."""
     by_itself: bool = False
     """Whether the run has switched it on where a body folds onto itself; it has no columns in the history."""
 

@@ -11,6 +11,7 @@ from presswork.observe.draw_in import DrawIn
 from presswork.observe.formability import FormabilityObserver
 from presswork.observe.friction_tables import FrictionTables
 from presswork.observe.heat import HeatOfBodies, HeatOfSheets
+from presswork.observe.joints import Joints
 from presswork.observe.law_windows import LawWindows
 from presswork.observe.loose_bodies import LooseBodies
 from presswork.observe.marked_points import MarkedPoints
@@ -50,5 +51,6 @@ def list_observers(model: Model) -> Observers:
             WeldLines(model),
             WearOfTools(model),
             FrictionTables(model),
+            Joints(model),
         ]
     )

@@ -107,6 +107,7 @@ def judge_summary(summary: Summary, safety_margin: float = 0.1, dimension: int =
         lambda found: _judge_forming_limit(found, safety_margin),
         _judge_thinning,
         _judge_welds,
+        _judge_joints,
         _judge_wrinkles,
         _judge_springback,
         _judge_windows,
@@ -225,6 +226,14 @@ def _judge_welds(summary: Summary) -> Iterator[Line]:
         note = f"{_number(max(0.0, into['mm']))} mm into the zone, {_number(max(0.0, -out['mm']))} mm out of it"
         moved = f"moved by {_number(abs(most['mm']))} mm"
         yield Line(f"weld line of {name}", "figure", moved, "", note, "zone", tuple(most["place"]))
+
+
+def _judge_joints(summary: Summary) -> Iterator[Line]:
+    """Judge that sheets joined by forming hold each other."""
+    for name, found in summary.get("joints", {}).items():
+        note = f"neck {_number(found['neck_mm'])} mm, bottom {_number(found['bottom_mm'])} mm"
+        state: State = "figure" if found["interlock_mm"] > 0.0 else "fail"
+        yield Line(f"interlock of {name}", state, f"{_number(found['interlock_mm'])} mm", "", note)
 
 
 def _judge_laps(summary: Summary) -> Iterator[Line]:

@@ -82,11 +82,16 @@ def check_bodies(case: schema.Case) -> list[Problem]:
                     body.element,
                 )
             )
-    return problems + check_contacts(case.bodies, case.contacts, case.tools)
+    return problems + check_contacts(case.bodies, case.contacts, case.tools, rings=case.analysis == "axisymmetric")
 
 
-def check_contacts(others: Collection[str], contacts: Mapping[str, Contact], tools: Container[str]) -> list[Problem]:
-    """Return the problems of the names of bodies and contacts; others: the bodies beside the workpiece."""
+def check_contacts(
+    others: Collection[str], contacts: Mapping[str, Contact], tools: Container[str], *, rings: bool
+) -> list[Problem]:
+    """Return the problems of the names of bodies and contacts.
+
+    others: the bodies beside the workpiece; rings: whether the analysis is axisymmetric.
+    """
     bodies, problems = {WORKPIECE, *others}, []
     for name in others:
         if name == WORKPIECE or "." in name or name in tools:
@@ -99,6 +104,9 @@ def check_contacts(others: Collection[str], contacts: Mapping[str, Contact], too
         problems += [Problem(key, f"no such body: {body}", suggest(body, bodies, "bodies")) for body in unknown]
         if name in tools:
             problems.append(Problem(f"contacts.{name}", "a tool has this name", "give the contact another"))
+        if contact.joint and (not rings or len(set(contact.between)) < 2):
+            fault = "a joint is measured between two bodies in axisymmetry"
+            problems.append(Problem(f"contacts.{name}.joint", fault, "leave it out", contact.joint))
         earlier = pairs.setdefault(frozenset(contact.between), name)
         if earlier != name:
             fault = f"the contact {earlier} is between the same bodies"
@@ -121,6 +129,11 @@ def build_contacts(
         first, second = contact.between
         if first != second:
             problems += _check_apart(case, contact.name, mesh, bodies[first], bodies[second])
+        for body in (bodies[i] for i in contact.between if contact.joint):
+            radii = mesh.points[list(body.points), 0]
+            if radii.min() > 1e-6 * radii.max():
+                fault = f"{body.name} begins at a radius of {radii.min():.4g} mm, and a joint's bottom is on the axis"
+                problems.append(Problem(f"contacts.{contact.name}.joint", fault, "leave it out", True))
     return contacts, problems
 
 
@@ -139,7 +152,7 @@ def make_contacts(
         made.append(
             model.BodyContact(
                 name, (first, second), slave, contact.contact, m=contact.m, mu=contact.mu,
-                keeps_slave=contact.slave is not None,
+                keeps_slave=contact.slave is not None, joint=contact.joint,
             )
         )  # fmt: skip
     return tuple(made)

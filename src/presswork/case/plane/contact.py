@@ -43,6 +43,10 @@ class Contact(Part):
         default=None,
         description="the body on whose nodes pressure is computed; without it: the one with the finer boundary",
     )
+    joint: bool = Field(
+        default=False,
+        description="the two are sheets joined by forming, in axisymmetry: interlock, neck and bottom are measured",
+    )
     heat: ContactHeat | None = Field(default=None, description="how heat passes; without it: none does")
 
     @model_validator(mode="after")
