@@ -10,6 +10,7 @@ Run: python -m validation.compensated_parts [SEED ...] [--kind hat] [--count 3] 
 from __future__ import annotations
 
 import argparse
+import sys
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -33,6 +34,8 @@ class Outcome:
     allowed: float
     seconds: float
     reason: str
+    was_stopped: bool = False
+    """By Ctrl-C or SIGTERM."""
 
     @property
     def is_right(self) -> bool:
@@ -58,9 +61,9 @@ def correct(seed: int, folder: Path, loops: int = 5) -> Outcome:
     try:
         found = compensate_springback(case, out, tolerance=TOLERANCE, most=0, threads=1, overwrite=True)
         if not found.loops:
-            return Outcome(seed, (), TOLERANCE, 0.0, found.reason)
+            return Outcome(seed, (), TOLERANCE, 0.0, found.reason, found.status == "interrupted")
         allowed = max(TOLERANCE, SHARE * found.loops[0].worst)
-        if found.loops[0].worst > allowed:
+        if found.status != "interrupted" and found.loops[0].worst > allowed:
             found = compensate_springback(case, out, tolerance=allowed, most=loops, threads=1, resume=True)
     except CaseError as error:
         return Outcome(seed, (), TOLERANCE, 0.0, str(error))
@@ -69,7 +72,8 @@ def correct(seed: int, folder: Path, loops: int = 5) -> Outcome:
 
 def _read(seed: int, found: Compensation, allowed: float) -> Outcome:
     seconds = sum(loop.seconds for loop in found.loops)
-    return Outcome(seed, tuple(loop.worst for loop in found.loops), allowed, seconds, found.reason)
+    deviations = tuple(loop.worst for loop in found.loops)
+    return Outcome(seed, deviations, allowed, seconds, found.reason, found.status == "interrupted")
 
 
 def main() -> None:
@@ -88,6 +92,8 @@ def main() -> None:
     with TemporaryDirectory() as temporary:
         for seed in seeds:
             found = correct(seed, (arguments.folder or Path(temporary)) / f"part_{seed}", arguments.loops)
+            if found.was_stopped:
+                sys.exit(f"stopped in seed {seed}: {found.reason}")
             n_right += found.is_right
             print(found.line(), flush=True)
     print(f"{n_right} of {len(seeds)} came right")

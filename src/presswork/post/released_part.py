@@ -6,6 +6,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from presswork.geometry.best_fit import fit_rigidly
 from presswork.geometry.foot_on_triangles import find_feet
@@ -13,6 +14,9 @@ from presswork.mesh.triangles import split_quads
 from presswork.model import FloatArray, IntArray
 from presswork.post.springback import find_formed_step
 from presswork.results import Result, ResultError, ResultMesh
+
+_CELLS_NEAR = 4
+"""Cells whose strain counts at a node."""
 
 
 @dataclass(frozen=True)
@@ -56,6 +60,16 @@ def read_released(result: Result) -> tuple[ReleasedPart, FloatArray, IntArray]:
         whole, points = result.mesh_at(before - 1), result.points(before - 1)
         return part, points, triangulate_mesh(whole, points)
     return part, part.formed, part.triangles
+
+
+def read_face_strain(result: Result, points: FloatArray) -> FloatArray:
+    """Return the equivalent plastic strain at places of the formed part (n,), mean of both faces and of cells near."""
+    step = find_formed_step(result)
+    mesh, nodes = result.mesh_at(step), result.points(step)
+    middles = np.concatenate([nodes[block.connectivity].mean(axis=1) for block in mesh.blocks])
+    faces = [np.asarray(result.field(f"equivalent_plastic_strain_{side}", step)) for side in ("top", "bottom")]
+    _, near = cKDTree(middles).query(points, k=min(_CELLS_NEAR, len(middles)))
+    return np.asarray(0.5 * (faces[0] + faces[1])[near].reshape(len(points), -1).mean(axis=1))
 
 
 def _is_cut(mesh: ResultMesh, before: ResultMesh) -> bool:

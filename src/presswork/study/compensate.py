@@ -26,7 +26,7 @@ from presswork.case.reader import read_tables
 from presswork.case.stamping.target_part import read_target_part
 from presswork.mesh.files.stl_file import pack_stl
 from presswork.model import FloatArray, IntArray, Model
-from presswork.post.released_part import Misfit, ReleasedPart, read_released
+from presswork.post.released_part import Misfit, ReleasedPart, read_face_strain, read_released
 from presswork.post.springback import find_formed_step
 from presswork.recorder import Progress
 from presswork.results import Result, open_output_folder
@@ -39,10 +39,11 @@ from presswork.study.compensated_tools import (
     cut_into_triangles,
     find_closed,
     find_gap_change,
+    find_room,
     find_undercut,
     place_tools,
 )
-from presswork.study.compensation_goal import Goal, NotThePartError, set_goal
+from presswork.study.compensation_goal import Goal, NotThePartError, check_case, set_goal
 from presswork.study.curvature_steps import CurvatureSteps
 from presswork.study.one_member import compute_member, open_search_folder
 from presswork.study.open_runner import open_runner
@@ -52,13 +53,14 @@ from presswork.study.tool_faces import SheetInTools, write_faces
 
 TABLE, CASE = "table.csv", "compensated.toml"
 _STUCK, _PATIENCE = 0.9, 3
-"""Largest deviation over the best before it, from which on a loop has not helped; so many of them end the search."""
+"""Deviation over the best before it, from which on a loop has not helped; so many of them end the search."""
 _LONGEST = 1.0
 """Edges of the tools' triangles over those of the blank's cells: at 1.5 facets move the part by 0.01 mm."""
 _SLAMS_REFUSED = 0.5
 """Thicknesses of free travel from which on a holder is closed by distance, where a case has been refused."""
-_LEANS_MOST, _HALVINGS = 6.0, 3
-"""Undercut up to which tools with too little room are run [degree], and how often steps to more are cut."""
+_LEANS_MOST, _ROOM, _HALVINGS = 6.0, 0.9, 3
+"""Lean of tools [degree] from which on their stroke must leave this room, over the thickness, and how often steps to
+tools that leave less are cut."""
 _NEAR = 3.0
 """Gap between tools over the thickness within which it counts."""
 
@@ -158,7 +160,7 @@ class _Search:
         self.tolerance, self.fix_binder = tolerance, fix_binder
         tables = read_tables(case_file, settings)
         self.case = StampingCase.from_tables(tables)
-        _check(self.case, fix_binder)
+        check_case(self.case, fix_binder)
         model = build(self.case)
         self.data: dict[str, Any] = tomllib.loads(write_as_run(tables.data, case_file.parent))
         self.planes = model.symmetry
@@ -215,7 +217,8 @@ class _Search:
                 self.goal = self.set_goal(part, points, triangles)
                 flat = np.asarray(result.mesh_at(find_formed_step(result)).points)[:, :2]
                 self.sheet = SheetInTools(points, flat, triangles, self.planes, self.case.blank.thickest)
-                correction, steps = np.zeros_like(points), self.goal.begin_steps(self.case.blank.thickest)
+                correction = np.zeros_like(points)
+                steps = self.goal.begin_steps(self.case.blank.thickest, read_face_strain(result, points))
             assert correction is not None
             assert steps is not None
             misfit = self.goal.measure(part, correction, lower)
@@ -225,15 +228,22 @@ class _Search:
             draw_deviation(self.goal, self.loops, self.tolerance, self.folder)
             if on_loop is not None:
                 on_loop(self.loops[-1], row)
-            worst = [loop.worst for loop in self.loops]
-            if worst[-1] <= self.tolerance:
+            if self.loops[-1].worst <= self.tolerance:
                 return "completed", ""
-            if len(worst) > _PATIENCE and min(worst[-_PATIENCE:]) > _STUCK * min(worst[:-_PATIENCE]):
+            if self.is_stuck():
                 return "gave_up", self.explain_no_help()
             correction = self.shorten(correction, self.goal.advance(steps, correction, misfit.off))
         return "gave_up", (
             f"the part is still {self.loops[-1].worst:.3g} mm off after {most} corrections, "
             f"near {self.place_of_worst()}"
+        )
+
+    def is_stuck(self) -> bool:
+        """Return whether the last corrections have lowered neither the largest deviation nor the mean."""
+        share = self.goal.weight / self.goal.weight.sum() if self.goal else np.zeros(0)
+        return len(self.loops) > _PATIENCE and all(
+            min(course[-_PATIENCE:]) > _STUCK * min(course[:-_PATIENCE])
+            for course in ([loop.worst for loop in self.loops], [_rms(loop, share) for loop in self.loops])
         )
 
     def bend(self, correction: FloatArray) -> tuple[PressedTool, ...]:
@@ -243,12 +253,20 @@ class _Search:
         return bend_tools(self.drawn, warp, self.case.blank.thickest, fix_holders=self.fix_binder)
 
     def shorten(self, before: FloatArray, after: FloatArray) -> FloatArray:
-        """Return the next correction, halfway to it where its tools would lean over so far that they tear the wall."""
+        """Return the next correction, halfway to it where its tools would leave so little room that they tear."""
         for _ in range(_HALVINGS):
-            if self.find_undercut(self.bend(after)).angle <= _LEANS_MOST:
+            if self.may_pass(self.bend(after)):
                 break
             after = 0.5 * (before + after)
         return after
+
+    def may_pass(self, tools: tuple[PressedTool, ...]) -> bool:
+        """Return whether tools lean over so little, or leave so much room along the stroke, that the sheet passes."""
+        if self.find_undercut(tools, uprights=True).angle <= _LEANS_MOST:
+            return True
+        assert self.goal is not None
+        height = float(np.ptp(self.goal.points[:, 2]))
+        return find_room(tools, self.drawn, self.case.blank.thickest, height) >= _ROOM
 
     def set_goal(self, part: ReleasedPart, points: FloatArray, triangles: IntArray) -> Goal:
         """Return the goal by the part of the tools as drawn. Raises CaseError for a target that is not this part."""
@@ -279,14 +297,15 @@ class _Search:
             )
         )
 
-    def find_undercut(self, tools: tuple[PressedTool, ...]) -> Undercut:
-        """Return where tools lean over farthest against the part."""
+    def find_undercut(self, tools: tuple[PressedTool, ...], *, uprights: bool = False) -> Undercut:
+        """Return where tools lean over farthest against the part; uprights: or a punch above its wall."""
         if self.goal is None:
             return Undercut("", 0.0, np.zeros(3))
         sheet = self.goal.points
         corners = sheet[self.goal.triangles]
         longest = float(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max())
-        return find_undercut(tools, self.drawn, sheet, _NEAR * self.case.blank.thickest + longest, self.planes)
+        reach = _NEAR * self.case.blank.thickest + longest
+        return find_undercut(tools, self.drawn, sheet, reach, self.planes, uprights=uprights)
 
     def explain_undercut(self, tools: tuple[PressedTool, ...]) -> str:
         """Explain tools that lean over so far that others cannot pass; empty where there are none."""
@@ -317,7 +336,7 @@ class _Search:
         try:
             return build(case), lower
         except CaseError:
-            if not number or not self.case.limits.stop or self.find_undercut(tools).angle > _LEANS_MOST:
+            if not number or not self.case.limits.stop or not self.may_pass(tools):
                 raise
         case, lower = self.write_case(number, tools, runs_anyway=True)
         return build(case), lower
@@ -376,18 +395,3 @@ class _Search:
 
 def _rms(loop: Loop, share: FloatArray) -> float:
     return float(np.sqrt(share @ loop.misfit.deviation**2))
-
-
-def _check(case: StampingCase, fix_binder: bool) -> None:
-    """Refuse a case without springback, or with more operations than one."""
-    problems = []
-    if case.operations:
-        text = "compensation corrects the tools of one operation"
-        problems.append(Problem("operations", text, "give the case of the operation whose tools are to be corrected"))
-    elif case.springback is None:
-        text = "the case has no springback to correct for"
-        problems.append(Problem("springback", text, "add an empty table [springback]"))
-    if fix_binder and not any(tool.kind == "holder" for tool in case.tools.values()):
-        problems.append(Problem("--fix-binder", "the case has no holder", "leave it out"))
-    if problems:
-        raise CaseError(problems, case.source)

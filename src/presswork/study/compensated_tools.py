@@ -33,6 +33,8 @@ _SLAMS, _WRAPS = 0.9, 1.05
 """Thicknesses of free travel before a force, from which on a holder is closed by distance, and the room it leaves."""
 _LEANS = 0.1
 """Undercut that is no facets' noise [degree]."""
+_PRESSES = 1.6
+"""Gap over the thickness up to which a punch presses on the sheet."""
 _UPRIGHT = 1e-3
 """Part of a facet's normal along the press [1], beyond which it faces away from the sheet."""
 
@@ -179,16 +181,20 @@ def find_undercut(
     part: FloatArray,
     reach: float,
     planes: tuple[bool, bool] = (False, False),
+    *,
+    uprights: bool = True,
 ) -> Undercut:
     """Return where a bent tool leans over farthest among the facets that face the sheet as they were drawn.
 
     Only facets within `reach` [mm] of the part in the closed tools as drawn (n, 3) count: backs and ends of tools that
     no sheet touches follow the bend, too. planes: symmetry planes normal to x and y, beyond which the part goes on.
+    uprights: whether a punch's faces along the press count: above the part's wall they may lean over.
     """
     worst, mirrored = Undercut("", 0.0, np.zeros(3)), np.array([*planes, False])
     sheet = cKDTree(np.where(mirrored, np.abs(part), part))
     for tool, before in zip(tools, drawn, strict=True):
-        faces = tool.upwards * _unit_normals(before.shape)[:, 2] > -_UPRIGHT
+        least = -_UPRIGHT if uprights or tool.kind == "die" else _UPRIGHT
+        faces = tool.upwards * _unit_normals(before.shape)[:, 2] > least
         middle = before.closed[before.shape.triangles].mean(axis=1)
         faces &= np.isfinite(sheet.query(np.where(mirrored, np.abs(middle), middle), distance_upper_bound=reach)[0])
         lean = -tool.upwards * _unit_normals(tool.shape)[:, 2]
@@ -226,6 +232,24 @@ def find_gap_change(
             change = np.abs(after - before[near])
             largest = max(largest, float(change[np.isfinite(change)].max(initial=0.0)))
     return largest
+
+
+def find_room(tools: Sequence[PressedTool], drawn: Sequence[PressedTool], thickness: float, height: float) -> float:
+    """Return the least distance of the punch from the die on the last part of its stroke, over the thickness.
+
+    It is taken at the corners of the punch that press on the sheet in the closed tools. height: of that part [mm].
+    """
+    die, die_drawn = (next(tool for tool in each if tool.kind == "die") for each in (tools, drawn))
+    surface, least, reach = make_surface(die.shape), np.inf, 2.0 * thickness
+    for punch, punch_drawn in zip(tools, drawn, strict=True):
+        if punch.kind != "punch":
+            continue
+        presses = np.abs(_measure_gap(punch_drawn, die_drawn, reach)) < _PRESSES * thickness
+        places = punch.closed[presses] - die.position - die.travel
+        for rise in np.arange(0.0, height, 0.5 * thickness):
+            gap, *_ = surface.nearest(np.ascontiguousarray(places + np.array([0.0, 0.0, rise])), reach)
+            least = min(least, float(gap[np.isfinite(gap)].min(initial=np.inf)))
+    return least / thickness
 
 
 def place_tools(

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from presswork.case import CaseError, StampingCase
+from presswork.case.errors import Problem
 from presswork.geometry.best_fit import nodal_areas
 from presswork.geometry.fit_to_surface import SurfaceFit, fit_to_surface
 from presswork.geometry.foot_on_triangles import find_feet, split_long
@@ -16,7 +18,7 @@ from presswork.geometry.tool_surface import make_surface
 from presswork.model import BoolArray, FloatArray, IntArray, Triangulation
 from presswork.post.released_part import Misfit, ReleasedPart, measure_misfit
 from presswork.study.compensated_tools import PressedTool
-from presswork.study.curvature_steps import CurvatureSteps
+from presswork.study.curvature_steps import CurvatureSteps, expect_answers
 
 _ON_PART = 0.05
 """Distance of a node of the whole sheet from the trimmed part, over the edge, within which it belongs to the part."""
@@ -64,13 +66,17 @@ class Goal:
         whole[self.is_fixed] = 0.0
         return extend_smoothly(whole, self.is_steered | self.is_fixed, self.triangles)
 
-    def begin_steps(self, thickness: float) -> CurvatureSteps:
-        """Return the search for the correction of what is steered; thickness: of the sheet [mm]."""
+    def begin_steps(self, thickness: float, strain: FloatArray | None = None) -> CurvatureSteps:
+        """Return the search for the correction of what is steered; thickness: of the sheet [mm].
+
+        strain: equivalent plastic strain of the faces at each node (n_points,) [1].
+        """
         number = np.cumsum(self.is_steered) - 1
         inside = self.is_steered[self.triangles].all(axis=1)
         weight = self.weight[self.is_steered[self.is_part]]
         cells = number[self.triangles[inside]]
-        return CurvatureSteps(self.points[self.is_steered], cells, weight, self.planes, thickness)
+        expected = None if strain is None else expect_answers(strain[self.is_steered])
+        return CurvatureSteps(self.points[self.is_steered], cells, weight, self.planes, thickness, expected)
 
     def advance(self, steps: CurvatureSteps, correction: FloatArray, off: FloatArray) -> FloatArray:
         """Return the next correction (n_points, 3) from one and how far it leaves the part off (n_part, 3) [mm]."""
@@ -81,6 +87,21 @@ class Goal:
     def make_warp(self, correction: FloatArray) -> RigidWarp:
         """Return the map of space that takes tools along with a correction (n_points, 3) [mm]."""
         return RigidWarp(self.points, self.points + correction, self.planes)
+
+
+def check_case(case: StampingCase, fix_binder: bool) -> None:
+    """Refuse a case without springback, or with more operations than one."""
+    problems = []
+    if case.operations:
+        text = "compensation corrects the tools of one operation"
+        problems.append(Problem("operations", text, "give the case of the operation whose tools are to be corrected"))
+    elif case.springback is None:
+        text = "the case has no springback to correct for"
+        problems.append(Problem("springback", text, "add an empty table [springback]"))
+    if fix_binder and not any(tool.kind == "holder" for tool in case.tools.values()):
+        problems.append(Problem("--fix-binder", "the case has no holder", "leave it out"))
+    if problems:
+        raise CaseError(problems, case.source)
 
 
 def set_goal(

@@ -8,8 +8,12 @@ Walls answer by more than one. So one factor for the whole part, or a few as in 
 The answer g of each place is the secant of its change of curvature over that of the tools, by least squares over its
 neighbours and the last loops. With B the change of curvature by displacement, A = B'B + stretching, A_g = B'gB +
 stretching, a correction d moves the part by A^-1 A_g d. The step is the d that leaves least of the deviation, with a
-penalty on bending shorter than the tools can follow. A place that does not answer is not bent for its own sake. The
-first step is the whole deviation (Gan and Wagoner 2004).
+penalty on bending shorter than the tools can follow. A place that does not answer is not bent for its own sake.
+
+Before anything is known answers follow from the sheet's plastic strain; without it the first step is the whole
+deviation (Gan and Wagoner 2004). Answers of elastic places grow with the bend (0.2 to 0.7 at strains of the faces of
+0.1 to 1 %), so the step by the first secant is halved. Where a step has turned the deviation round the next one starts
+between the last two loops, and after a loop that is worse than one before from the better one.
 """
 
 from __future__ import annotations
@@ -28,14 +32,32 @@ _NEIGHBOURS = 2.0
 """Width of the bell of neighbours that share an answer, over the cells' edge."""
 _SMOOTH, _FOLLOWS = 1.3, 0.7
 """Lengths over the cells' edge: of the noise that is kept out of answers, and of the bending that tools follow."""
-_KEPT, _FADES = 3, 0.5
+_KEPT, _FADES = 3, 0.2
 """Changes of the tools that count, and weight of each over the next one's."""
 _PRIOR = 0.1
-"""Weight of an answer of one, over the median of the places' weights."""
+"""Weight of the answer that is expected, over the median of the places' weights."""
 _CONVERGES, _DAMPING = 0.5, 0.07
 """Deviation over that of the loop before, up to which loops are combined, and the damping of their shares."""
+_ELASTIC, _YIELDED = 0.2, 0.005
+"""Answer expected of a place without plastic strain, and the strain of its faces from which on one is expected [1]."""
+_FIRST_SECANT = 0.5
+"""Part of the step that is taken after one change of the tools."""
+_ALIKE = 0.3
+"""Width of the bell of expected answers, within which neighbours share one: a flat bottom and its radius do not."""
+_WORSE = 1.2
+"""Deviation over the least before, from which on a loop is worse."""
+_EXACT, _ITERATIONS = 1e-8, 1000
+"""Residual of a step over that of none, at 1e-4 of which steps bend places by ten times too much, and most iterations.
+"""
+_REVERSED = 0.3
+"""Cosine of a deviation and the last one's reverse, from which on the next step starts between the two."""
 _HELD = 1e-10
 """Weight of rigid motions, which neither bend nor stretch, over the cells' area."""
+
+
+def expect_answers(strain: FloatArray) -> FloatArray:
+    """Return the answers expected where the faces of the sheet have this equivalent plastic strain (n,) [1]."""
+    return np.clip(strain / _YIELDED, _ELASTIC, 1.0)
 
 
 class CurvatureSteps:
@@ -48,8 +70,12 @@ class CurvatureSteps:
         weight: FloatArray,
         planes: tuple[bool, bool],
         thickness: float,
+        expected: FloatArray | None = None,
     ) -> None:
-        """points: of the part (n, 3) [mm]; weight: area of each (n,) [mm2]; thickness: of the sheet [mm]."""
+        """points: of the part (n, 3) [mm]; weight: area of each (n,) [mm2]; thickness: of the sheet [mm].
+
+        expected: answers before any is known (n,); None: one, and the first step is the whole deviation.
+        """
         edges = find_edges(points, triangles, planes)
         cell = points[triangles]
         areas = np.linalg.norm(np.cross(cell[:, 1] - cell[:, 0], cell[:, 2] - cell[:, 0]), axis=1)
@@ -67,19 +93,48 @@ class CurvatureSteps:
         self._near = splu((area + self._penalty).tocsc())
         tree = cKDTree(points)
         bell = tree.sparse_distance_matrix(tree, 2.5 * _NEIGHBOURS * size, output_type="coo_matrix")
-        value = np.exp(-0.5 * (bell.data / (_NEIGHBOURS * size)) ** 2)
+        self._expected = np.ones(len(points)) if expected is None else expected
+        unlike = (self._expected[bell.row] - self._expected[bell.col]) / _ALIKE
+        value = np.exp(-0.5 * (bell.data / (_NEIGHBOURS * size)) ** 2 - 0.5 * unlike**2)
         self._bell = sparse.csr_matrix((value, (bell.row, bell.col)), bell.shape)
         self._bell.setdiag(1.0)
+        self._is_blind = expected is None
         self._corrections: list[FloatArray] = []
         self._deviations: list[FloatArray] = []
+        self._best: tuple[FloatArray, FloatArray] | None = None
 
     def step(self, correction: FloatArray, off: FloatArray) -> FloatArray:
         """Return the next correction (n, 3) from one and how far it leaves the part off its goal (n, 3) [mm]."""
         self._corrections.append(correction.ravel())
         self._deviations.append(off.ravel())
         del self._corrections[: -_KEPT - 1], self._deviations[: -_KEPT - 1]
-        if len(self._corrections) == 1:
+        if len(self._corrections) == 1 and self._is_blind:
+            self._best = self._corrections[0], self._deviations[0]
             return correction - off
+        base, rest = self._start()
+        part = _FIRST_SECANT if len(self._corrections) == 2 and not self._is_blind else 1.0
+        return np.asarray((base + part * self._solve(rest)).reshape(off.shape))
+
+    def _start(self) -> tuple[FloatArray, FloatArray]:
+        """Return the correction from which the step is taken, and the deviation that it leaves."""
+        now = self._corrections[-1], self._deviations[-1]
+        before, self._best = self._best, self._best if self._is_worse(1.0) else now
+        if len(self._corrections) > 1:
+            last, other = self._deviations[-2:]
+            changed, area = other - last, self._area
+            if (area * last) @ other < -_REVERSED * self._size(last) * self._size(other):
+                share = float((area * changed) @ other) / self._size(changed) ** 2
+                return now[0] - share * (now[0] - self._corrections[-2]), other - share * changed
+        if before is not None and self._is_worse(_WORSE):
+            return before
+        return self._combine()
+
+    def _is_worse(self, times: float) -> bool:
+        """Return whether the last loop's deviation is so many times that of the best."""
+        return self._best is not None and self._size(self._deviations[-1]) > times * self._size(self._best[1])
+
+    def _solve(self, rest: FloatArray) -> FloatArray:
+        """Return the step that leaves least of a deviation."""
         answer = self.find_answers()[self._ends].mean(axis=1)
         partly = (self._bending.T @ sparse.diags(answer) @ self._bending + self._rest).tocsc()
 
@@ -89,12 +144,14 @@ class CurvatureSteps:
         def pull(r: FloatArray) -> FloatArray:
             return np.asarray(partly @ self._whole.solve(self._area * r))
 
-        shape = (off.size, off.size)
+        shape = (rest.size, rest.size)
         normal = LinearOperator(shape, matvec=lambda d: pull(respond(d)) + self._penalty @ d, dtype=float)
         near = LinearOperator(shape, matvec=self._near.solve, dtype=float)
-        base, rest = self._combine()
-        step, _ = cg(normal, -pull(rest), rtol=1e-4, maxiter=300, M=near)
-        return np.asarray((base + step).reshape(off.shape))
+        step, _ = cg(normal, -pull(rest), rtol=_EXACT, maxiter=_ITERATIONS, M=near)
+        return np.asarray(step)
+
+    def _size(self, displacement: FloatArray) -> float:
+        return float(np.linalg.norm(np.sqrt(self._area) * displacement))
 
     def _combine(self) -> tuple[FloatArray, FloatArray]:
         """Return the correction from which the step is taken, and the deviation that it would leave.
@@ -103,8 +160,8 @@ class CurvatureSteps:
         1965, Iterative procedures for nonlinear integral equations, J. ACM 12, 547), damped against noise.
         """
         root = np.sqrt(self._area)
-        size = np.array([np.linalg.norm(root * r) for r in self._deviations])
-        if (size[1:] > _CONVERGES * size[:-1]).any():
+        size = np.array([self._size(r) for r in self._deviations])
+        if len(size) == 1 or (size[1:] > _CONVERGES * size[:-1]).any():
             return self._corrections[-1], self._deviations[-1]
         moved, changed = np.diff(np.array(self._corrections), axis=0), np.diff(np.array(self._deviations), axis=0)
         columns = (root * changed).T
@@ -127,5 +184,5 @@ class CurvatureSteps:
                 own += weight * np.bincount(end, tools**2, points)
         both, own = self._bell @ both, self._bell @ own
         prior = _PRIOR * float(np.median(own)) + np.finfo(float).tiny
-        answer = np.minimum((both + prior) / (own + prior), _MOST)
+        answer = np.minimum((both + prior * self._expected) / (own + prior), _MOST)
         return np.asarray(np.where(answer < _LEAST, 0.0, answer))

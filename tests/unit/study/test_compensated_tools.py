@@ -21,6 +21,8 @@ from presswork.study.compensated_tools import (
     bend_tools,
     cut_into_triangles,
     find_gap_change,
+    find_room,
+    find_undercut,
     place_tools,
 )
 from tests.problems.compensation import channel_face
@@ -84,6 +86,39 @@ def test_a_gap_counts_where_the_part_lies(tools, warp) -> None:
     bent = replace(punch, shape=replace(punch.shape, points=punch.shape.points + far))
     assert find_gap_change((die, bent), (die, punch), part[part[:, 0] > 3.0], 3.0) == 0.0
     assert find_gap_change((die, bent), (die, punch), part, 3.0) == pytest.approx(0.5, rel=0.05)
+
+
+def turn_walls(points: FloatArray, angle: float) -> FloatArray:
+    """Return places with the part's walls turned inwards about their top by an angle [degree], the bottom kept level.
+
+    Their bottom comes to lie farther out, so above a draft of 15 degrees they lean over.
+    """
+    sink = np.clip(-points[:, 2], 0.0, 16.0)
+    out = np.sign(points[:, 0]) * np.tan(np.radians(angle)) * sink
+    return points + np.column_stack([out, np.zeros((len(points), 2))])
+
+
+def test_tools_that_lean_over_leave_less_room_along_the_stroke(tools) -> None:
+    """Walls of 75 degrees: turned by 10 they still open upwards, turned by 35 the punch's bottom does not pass."""
+    die, punch, _ = tools
+    room = []
+    for angle in (0.0, 10.0, 35.0):
+        bent = [replace(t, shape=replace(t.shape, points=turn_walls(t.shape.points, angle))) for t in (die, punch)]
+        room.append(find_room(bent, (die, punch), 1.0, 16.0))
+    assert room[0] == pytest.approx(1.1, abs=0.02)
+    assert room[1] > 0.9
+    assert room[2] < 0.5
+
+
+def test_a_punch_may_lean_over_above_the_parts_wall(tools) -> None:
+    """A punch goes up straight from its wall's end: turned by 5 degrees, that lean is no undercut of the part."""
+    _, punch, _ = tools
+    rim = np.array([[12.0, y, z] for z in (0.0, 8.0) for y in (-3.0, 0.0, 3.0)])
+    cells = np.array([[0, 4, 3], [0, 1, 4], [1, 5, 4], [1, 2, 5]], dtype=np.int32)
+    inwards = rim - np.tan(np.radians(5.0)) * np.column_stack([rim[:, 2], np.zeros((6, 2))])
+    straight, leaning = (replace(punch, shape=Triangulation(points, cells, False)) for points in (rim, inwards))
+    found = [find_undercut((leaning,), (straight,), rim, 5.0, uprights=uprights).angle for uprights in (True, False)]
+    assert found == [pytest.approx(5.0, abs=0.01), 0.0]
 
 
 def test_tools_end_near_the_blank_and_their_strokes_stay_near_those_as_drawn(tmp_path) -> None:
