@@ -33,6 +33,19 @@ def test_martensite_throughout_leaves_no_stress_without_yield() -> None:
     assert np.abs(procedure.state.cells.stress[0]).max() < 0.5
 
 
+@pytest.mark.parametrize("which", ["thermal", "trip"])
+def test_cells_of_first_order_do_not_flow_where_growth_varies_over_them(which: str) -> None:
+    """A corner that is quenched: the work of a free body is nothing, and no more flows than its strains ask for."""
+    data = cylinder(which)
+    data["workpiece"]["mesh"] = {"size": [12.0, 12.0], "cells": [6, 6]}
+    water = data["stages"][0]["convection"][0]
+    data["stages"][0] |= {"duration": 20.0, "convection": [water, water | {"set": "top"}]}
+    data["heat"]["max_change"] = 15.0
+    procedure = run(data)
+    assert abs(procedure.energy_balance()["error_percent"]) < 5.0
+    assert procedure.state.cells.eqps[0].max() < 0.03
+
+
 def steel(*, yields: bool, trip: float = 0.0) -> model.Material:
     """Return a steel whose martensite is longer, harder, and forms with transformation plasticity."""
     rows = np.array([[0.0, 200.0], [1000.0, 50.0]]), np.array([[0.0, 1500.0], [1000.0, 500.0]])

@@ -20,13 +20,24 @@ from presswork.interaction.bodies.body_surfaces import InterfaceArrays
 from presswork.interaction.heat.forming_instant import BetweenBodies, FormingInstant, Poses, find_poses
 from presswork.interaction.of_model import Interactions
 from presswork.interaction.tool_arrays import ContactArrays, SpaceToolArrays, ToolArrays
-from presswork.model import BodyContact, FloatArray, Model, find_cell
+from presswork.model import BodyContact, CellBlock, FloatArray, Model, find_cell
 from presswork.outcome import Failed, Step
 from presswork.state import State
 from presswork.timing import Timing
 
 MOST_PASSES = 5
 """Most times that equilibrium and heat are found in an increment."""
+
+
+def _grows_evenly(model: Model, block: CellBlock) -> bool:
+    """Return whether a block's cells are of first order and expand, so that their points take one temperature.
+
+    Their volume has one strain: expansion that varies over a cell would load its hourglass modes, in which hot metal
+    flows.
+    """
+    thermoelastic = model.materials[block.material].thermoelastic
+    expands = thermoelastic is not None and thermoelastic.expansion is not None
+    return expands and not find_cell(model.dimension, block.connectivity).is_quadratic
 
 
 class HeatOfIncrements:
@@ -47,6 +58,7 @@ class HeatOfIncrements:
         multipliers before; kept for followers of the run."""
         self.mixtures = PhaseMixtures(model)
         """What the phases of a steel make of its points."""
+        self._even = [_grows_evenly(model, block) for block in model.mesh.blocks]
         self._fraction = model.heat.plastic_fraction
         self._across = {name: tool.gap for name, tool in model.heat.tools.items()}
         self._contacts = {contact.name: contact for contact in model.contacts}
@@ -59,15 +71,22 @@ class HeatOfIncrements:
         """Give the nodes' temperatures to the integration points of materials that depend on them."""
         for i, given in enumerate(state.cells.temperature):
             if given.size:
-                state.cells.temperature[i] = self.at_points(state, i)
+                state.cells.temperature[i] = self._supply(i, state[HeatArrays].temperature)
 
     def begin_increment(self, state_n: State, trial: State, dt: float) -> None:
         """Give laws the temperatures that the last rate foretells for the end of an increment of dt [s]."""
         arrays = state_n[HeatArrays]
         for i, given in enumerate(trial.cells.temperature):
             if given.size:
-                trial.cells.temperature[i] = self.forming.to_points(i, arrays.temperature + dt * arrays.rate)
+                trial.cells.temperature[i] = self._supply(i, arrays.temperature + dt * arrays.rate)
         self.mixtures.find(state_n, trial, dt)
+
+    def _supply(self, block: int, temperature: FloatArray) -> FloatArray:
+        """Return temperatures of the nodes (n_points,) as the laws of a block's points take them (n_cells, p)."""
+        degrees = self.forming.to_points(block, temperature)
+        if self._even[block]:
+            degrees[:] = degrees.mean(axis=1, keepdims=True)
+        return degrees
 
     def rest(self, state: State, duration: float) -> HeatArrays:
         """Return the arrays after a time [s] in which the tools with meshes lie open without a workpiece.
