@@ -7,6 +7,8 @@ import pytest
 from presswork.case import CaseError, StampingCase, build_model
 from tests.problems.hot_strip import hot_strip
 
+PHASES = {"austenite": {"expansion": 2.2e-5}, "martensite": {"expansion": 1.2e-5, "strain": 0.009}}
+
 
 def problems(*changes: tuple[str, object]) -> str:
     with pytest.raises(CaseError) as caught:
@@ -51,6 +53,7 @@ def test_a_hot_strip_is_read() -> None:
         (("materials.steel.transformation", {"steel": "22MnB5", "ms": 600}), "do not increase"),
         (("materials.steel.transformation", {"steel": "22MnB5", "latent_heat": [-1, 1]}), "sets heat free"),
         (("materials.steel.transformation", {"steel": "22MnB5", "composition": {"C": 0.2}}), "give one of them"),
+        (("materials.steel.transformation", {"ms": 410, "phases": PHASES}), "strain and yield stress by phase are for"),
         (("materials.steel.heating.heat_capacity", 6e8), "plastic work would heat twice"),
         (("heat.levels", 1), "heat.levels"),
         (("heat.max_change", 20), "is for the implicit procedure"),
