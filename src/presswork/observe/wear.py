@@ -198,7 +198,7 @@ def find_pressure(run: Observed, now: Instant, tool: Tool, pieces: IntArray) -> 
     pushed = np.abs((now.tool_force * area).sum(axis=1))
     own = pushed > 0.0
     own[own] = np.argmin(np.abs(gaps.find(places[own])), axis=0) == list(gaps.names).index(tool.name)
-    return np.divide(pushed, size**2, out=np.zeros_like(pushed), where=own & (size > 0.0))
+    return np.asarray(np.divide(pushed, size**2, out=np.zeros_like(pushed), where=own & (size > 0.0)))
 
 
 def find_areas(model: Model, places: FloatArray, pieces: IntArray) -> FloatArray:
