@@ -41,7 +41,7 @@ class TimeTable:
 
         >>> bainite = TimeTable(np.array([[300.0, 1.0, 100.0, 1.0], [500.0, 1.0, 100.0, 1.0]]))
         >>> bainite.advance(np.array([0.0, 0.01]), np.array([400.0, 400.0]), 99.0).round(4).tolist()
-        [0.9891, 0.99]
+        [0.9894, 0.99]
         """
         start, end = (np.interp(temperature, self._degrees, times) for times in (self._starts, self._ends))
         power = self._ratio / (end - start)
