@@ -207,12 +207,13 @@ def _judge_pressures(summary: Summary) -> Iterator[Line]:
 
 
 def _judge_die_fill(summary: Summary) -> Iterator[Line]:
-    """Judge how far each die is filled; flash is a figure."""
+    """Judge how far each die is filled; flash is a figure, and so is the groove of a die that joins sheets."""
     for die, fill in summary.get("die_fill", {}).items():
         gap, filled, place = fill["largest_gap_mm"], fill["wall_filled"], tuple(fill.get("largest_gap_at_mm") or ())
         open_at = "" if gap is None else f"widest gap {_number(gap)} mm"
-        state: State = "ok" if filled >= FULL_DIE else "fail"
-        limit, field = f"at least {100 * FULL_DIE:.0f} %", "gap"
+        is_joint = "joints" in summary
+        state: State = "figure" if is_joint else "ok" if filled >= FULL_DIE else "fail"
+        limit, field = "" if is_joint else f"at least {100 * FULL_DIE:.0f} %", "gap"
         yield Line(f"fill of {die}", state, _percent(filled), limit, open_at, field, place)
         if fill.get("flash_thickness_mm") is not None:
             yield Line(f"flash at {die}", "figure", f"{_number(fill['flash_thickness_mm'])} mm thick")

@@ -52,6 +52,17 @@ def test_die_that_is_not_full_fails_where_its_gap_is_widest() -> None:
     assert lines_of({**DONE, "die_fill": {"upper": {**fill, "wall_filled": 0.985}}})["fill of upper"].state == "ok"
 
 
+def test_joint_fails_without_interlock_and_its_die_need_not_be_full() -> None:
+    fill = {"largest_gap_mm": 0.11, "wall_filled": 0.685, "flash_thickness_mm": None}
+    sizes = {"interlock_mm": 0.15, "neck_mm": 0.45, "bottom_mm": 0.6}
+    held = lines_of({**DONE, "die_fill": {"die": fill}, "joints": {"sheets": sizes}})
+    assert held["fill of die"].state == "figure"
+    assert held["interlock of sheets"].state == "figure"
+    assert held["interlock of sheets"].note == "neck 0.45 mm, bottom 0.6 mm"
+    loose = lines_of({**DONE, "joints": {"sheets": {**sizes, "interlock_mm": 0.0}}})
+    assert loose["interlock of sheets"].state == "fail"
+
+
 def test_laps_cracks_and_contact_pressure_fail_by_their_limits() -> None:
     lap = {"x_mm": 1.0, "y_mm": 2.0, "length_mm": 0.7}
     peak = {"value": 0.8, "at_mm": [5.0, 6.0], **INSTANT}
